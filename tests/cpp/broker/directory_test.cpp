@@ -258,6 +258,28 @@ TEST_F(SilentServer, TakesItsNameBack) {
   }
 }
 
+TEST_F(SilentServer, KeepsItsNameFromAnotherUserWhoNamesItsLife) {
+  for (const Host host : {Host::Same, Host::Other}) {
+    directory_ = Directory(started);
+    fall_silent(host);
+    Entry user = of_life(7);
+    user.user = "mallory";
+    EXPECT_FALSE(directory_.enlist({2, 7, {}, host}, user, heard + seconds(5)));
+    Entry elsewhere = of_life(7);
+    elsewhere.hostname = "desk";
+    EXPECT_FALSE(directory_.enlist({2, 7, {}, host}, elsewhere, heard + seconds(5)));
+  }
+}
+
+TEST_F(SilentServer, KeepsItsNameAsLongAsNoOtherServerGetsIt) {
+  fall_silent(Host::Other);
+  EXPECT_TRUE(directory_.keeps_name("RX90", heard + milliseconds(9999)));
+  EXPECT_FALSE(directory_.keeps_name("RX90", heard + seconds(10)));
+  EXPECT_FALSE(directory_.keeps_name("LASER", heard));
+  ASSERT_TRUE(enlist(8, heard + seconds(10)));
+  EXPECT_TRUE(directory_.keeps_name("RX90", heard + seconds(99)));
+}
+
 TEST_F(SilentServer, OfAnotherHostIsSetFreeOnRequest) {
   fall_silent(Host::Other);
   EXPECT_TRUE(directory_.free("RX90"));

@@ -152,6 +152,22 @@ std::string serves(gecos::Lab& lab, Child::Line& line) {
   return line.hear();
 }
 
+/// Registers LIE as the server of another user in the process of PROBE's server. Keeps the session.
+std::string lies(const AtBroker& at) {
+  gecos::Entry lie;
+  lie.name = "LIE";
+  lie.user = "root";
+  lie.hostname = "elsewhere";
+  const auto known = at.broker.lookup("PROBE").get();
+  if (!known) return known.error().text;
+  lie.host = known->host;
+  lie.pid = known->pid;
+  lie.pid_namespace = known->pid_namespace;
+  lie.boot = known->boot;
+  const auto enlisted = at.broker.enlist(lie).get();
+  return enlisted ? "enlisted" : enlisted.error().text;
+}
+
 /// A program of `user` that does what it is told.
 void program_of(const std::string& user, Child::Line& line) {
   ::setenv("GECOS_BROKER", "shm", 1);
@@ -176,6 +192,10 @@ void program_of(const std::string& user, Child::Line& line) {
       said = looks(*kept);
     }
     if (told == "look kept") said = looks(*kept);
+    if (told == "lie") {
+      kept.emplace();
+      said = lies(AtBroker(*kept));
+    }
     if (told == "go on") said = told;
     if (told == "await the end") {
       auto revisions = AtBroker(*kept).broker.revision(gecos::stream);
@@ -321,17 +341,44 @@ TEST_F(Visitors, NobodyIsReceivedWhileItIsNotKnownWhoIsRevoked) {
   EXPECT_TRUE(settles([&] { return tell(daemon, "look").find("list PROBE ") == 0; }));
 }
 
-TEST_F(Visitors, AUserWhomTheLabFileDropsBecomesNoVisitorOfAnObjectOfTheirOwn) {
+TEST_F(Visitors, AUserWhomTheLabFileDropsMakesNobodyAVisitorAnyMore) {
   place.write("[allow]\nusers = [\"daemon\"]\n");
   Laboratory laboratory;
   ASSERT_EQ(tell(daemon, "serve"), "serves");
-  place.edit("");
-  EXPECT_TRUE(settles([&] { return tell(bin, "look").find("list MINE query MINE") == 0; }))
+  ASSERT_TRUE(settles([&] { return tell(bin, "look").find("list MINE query MINE") == 0; }))
       << "MINE admits everybody";
+  place.edit("");
+  const auto refused = [&](Child& user, const std::string& name) {
+    return tell(user, "look").find("BROKER refuses user " + name) != std::string::npos;
+  };
+  EXPECT_TRUE(settles([&] { return refused(bin, "bin"); })) << tell(bin, "look");
+  const AtBroker at(laboratory.lab);
+  const auto silent = at.broker.silent().get();
+  ASSERT_TRUE(silent);
+  EXPECT_TRUE(at.broker.lookup("MINE").get() || (*silent)[0].free_in > 0)
+      << "the list counts no more, although the server has the name";
   daemon.line().say("go on");
   ASSERT_EQ(daemon.line().hear(), "go on");
-  const std::string refused = tell(daemon, "look");
-  EXPECT_NE(refused.find("BROKER refuses user daemon"), std::string::npos) << refused;
+  EXPECT_TRUE(refused(daemon, "daemon")) << tell(daemon, "look");
+}
+
+TEST_F(Visitors, ARegistrationTellsTheUserWhomTheKernelNames) {
+  place.write("[allow]\nusers = [\"daemon\"]\n");
+  Laboratory laboratory;
+  ASSERT_EQ(tell(daemon, "lie"), "enlisted");
+  const auto found = gecos::find_objects(laboratory.lab);
+  ASSERT_TRUE(found) << found.error();
+  const auto lie = std::ranges::find(*found, "LIE", &gecos::Entry::name);
+  ASSERT_NE(lie, found->end());
+  EXPECT_EQ(lie->user + "@" + lie->hostname, "daemon@" + gecos::host_name());
+  tell(daemon, "keep");  // ends the session with LIE
+  const AtBroker broker(laboratory.lab);
+  std::vector<gecos::SilentObject> silent;
+  ASSERT_TRUE(settles([&] {
+    silent = broker.broker.silent().get().value();
+    return !silent.empty();
+  }));
+  EXPECT_TRUE(silent[0].free_in) << "the process of another server does not keep the name";
 }
 
 TEST_F(Visitors, ASessionThatBecomesThatOfAVisitorEndsAndItsObjectsLeaveTheList) {

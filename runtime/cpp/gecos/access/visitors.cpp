@@ -1,5 +1,6 @@
 #include "gecos/access/visitors.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace gecos::access {
@@ -18,66 +19,88 @@ std::uint64_t with(std::uint64_t hash, std::uint64_t number) {
 }  // namespace
 
 bool admits_visitor(const ProgramList& one, const UserAtHost& who) {
-  return decide_by(one.list, one.server, who) == AccessRule::Named;
+  return decide_by(one.list, one.server.user, who) == AccessRule::Named;
 }
 
-bool VisitorBook::set(const std::string& name, std::uint64_t boot,
-                      std::optional<ProgramList> list) {
+bool VisitorBook::set(const std::string& name, ProgramList list, std::uint64_t revision) {
   const MutexLock lock(mutex_);
   const auto found = lists_.find(name);
-  const bool same_life = found != lists_.end() && found->second.program.boot == boot;
-  if (!list) {
-    if (found == lists_.end() || same_life) return false;
-    lists_.erase(found);
-    ++changes_;
-    if (lists_.empty()) knows_revoked_ = false;
-    return true;
-  }
   // A medium may deliver an earlier registration after a later one.
-  if (same_life && list->number <= found->second.program.number) return false;
-  lists_.insert_or_assign(name, Listed{*std::move(list), ++changes_});
+  if (found != lists_.end() && found->second.program.server == list.server &&
+      list.number <= found->second.program.number) {
+    return false;
+  }
+  lists_.insert_or_assign(name, Listed{std::move(list), ++changes_, revision});
+  changed();
   return true;
 }
 
-void VisitorBook::keep_only(FunctionRef<bool(const std::string& name)> known) {
+bool VisitorBook::drop_other(const std::string& name, const ServerLife& server) {
+  const MutexLock lock(mutex_);
+  const auto found = lists_.find(name);
+  if (found == lists_.end() || found->second.program.server == server) return false;
+  lists_.erase(found);
+  changed();
+  return true;
+}
+
+bool VisitorBook::keep_only(FunctionRef<bool(const std::string& name)> keeps_name) {
   const MutexLock lock(mutex_);
   const auto dropped =
-      std::erase_if(lists_, [&](const auto& named) { return !known(named.first); });
-  if (dropped > 0 && lists_.empty()) knows_revoked_ = false;
+      std::erase_if(lists_, [&](const auto& named) { return !keeps_name(named.first); });
+  changed();
+  return dropped > 0;
 }
 
-bool VisitorBook::empty() const {
+void VisitorBook::changed() { knows_revoked_ = knows_revoked_ && names_somebody_now(); }
+
+bool VisitorBook::names_somebody() const {
   const MutexLock lock(mutex_);
-  return lists_.empty();
+  return names_somebody_now();
 }
 
-std::optional<std::string> VisitorBook::object_of(const UserAtHost& who) const {
+bool VisitorBook::names_somebody_now() const {
+  return std::ranges::any_of(lists_, [](const auto& named) {
+    const AllowList& list = named.second.program.list;
+    return !list.users.empty() || !list.hosts.empty();
+  });
+}
+
+bool VisitorBook::admits(const ProgramList& one, const UserAtHost& who) const {
+  const ServerLife& server = one.server;
+  return admits_visitor(one, who) && (server.own || !revokes(revoked_, server.key, server.user));
+}
+
+std::optional<std::string> VisitorBook::object_of(
+    const UserAtHost& who, FunctionRef<bool(const ServerLife& server)> counts) const {
   const MutexLock lock(mutex_);
   for (const auto& [name, listed] : lists_) {
-    if (admits_visitor(listed.program, who)) return name;
+    if (admits(listed.program, who) && counts(listed.program.server)) return name;
   }
   return std::nullopt;
 }
 
-bool VisitorBook::shows(const std::string& name, const UserAtHost& who) const {
+VisitorBook::Seen VisitorBook::seen_by(const UserAtHost& who) const {
   const MutexLock lock(mutex_);
-  const auto found = lists_.find(name);
-  return found != lists_.end() && admits_visitor(found->second.program, who);
-}
-
-std::uint64_t VisitorBook::view_of(const UserAtHost& who) const {
-  const MutexLock lock(mutex_);
-  std::uint64_t view = hash_of_nothing;
+  Seen seen{{}, hash_of_nothing, 0};
   for (const auto& [name, listed] : lists_) {
-    if (admits_visitor(listed.program, who)) view = with(view, listed.change);
+    if (!admits(listed.program, who)) continue;
+    seen.objects.insert(name);
+    seen.view = with(seen.view, listed.change);
+    seen.since = std::max(seen.since, listed.revision);
   }
-  return view;
+  return seen;
 }
 
-void VisitorBook::revoke(std::optional<std::vector<RevokedUser>> revoked) {
+void VisitorBook::set_revoked(std::vector<RevokedUser> revoked) {
   const MutexLock lock(mutex_);
-  knows_revoked_ = revoked.has_value();
-  if (revoked) revoked_ = *std::move(revoked);
+  revoked_ = std::move(revoked);
+  knows_revoked_ = true;
+}
+
+void VisitorBook::lose_revoked() {
+  const MutexLock lock(mutex_);
+  knows_revoked_ = false;
 }
 
 bool VisitorBook::knows_revoked() const {

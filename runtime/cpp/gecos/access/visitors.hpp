@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,10 +21,18 @@ namespace gecos::access {
 /// The most users, and the most hosts, that a program may name.
 inline constexpr std::size_t most_admitted_names = 256;
 
+/// One life of a server, as the medium proves it to the broker.
+struct ServerLife {
+  UserAtHost user;
+  std::uint64_t boot = 0;  ///< differs after each restart of the server
+  bool own = false;        ///< the server is of the user of the broker, or of root
+  std::string key{};       ///< that `user` has proved; empty if the kernel names the user
+  friend bool operator==(const ServerLife&, const ServerLife&) = default;
+};
+
 /// Whom the program of one server admits to its objects, as the server told the broker.
 struct ProgramList {
-  UserAtHost server;         ///< as the registration says
-  std::uint64_t boot = 0;    ///< the life of the server
+  ServerLife server;
   std::uint64_t number = 0;  ///< of this list; a later list of the same life has a greater number
   AllowList list;
 };
@@ -33,29 +42,43 @@ struct ProgramList {
 bool admits_visitor(const ProgramList& one, const UserAtHost& who);
 
 /// The lists of the objects that the broker knows, and the users whom the user of the broker has
-/// revoked. A list stays while the server of the object is silent. Thread-safe.
+/// revoked. A list stays while the server of the object is silent and keeps the name. The list of a
+/// revoked user makes nobody a visitor. Thread-safe.
 class VisitorBook {
  public:
-  /// Sets the list of the object `name`, whose server lives as `boot`. The call has no effect if
-  /// the book has a list of the same life with the same or a greater number. Without a list, the
-  /// call drops the list of another life. Returns whether the book has changed.
-  bool set(const std::string& name, std::uint64_t boot, std::optional<ProgramList> list);
-  /// Drops the lists of the objects that are not known.
-  void keep_only(FunctionRef<bool(const std::string& name)> known);
-  bool empty() const;
+  /// Sets the list of the object `name`. The call has no effect if the book has a list of the same
+  /// life of the server with the same or a greater number. `revision`: the number of the broker's
+  /// last change. Returns whether the book has changed.
+  bool set(const std::string& name, ProgramList list, std::uint64_t revision);
+  /// Drops the list of the object `name` unless it is of this life of the server, which tells no
+  /// list. Returns whether the book has changed.
+  bool drop_other(const std::string& name, const ServerLife& server);
+  /// Drops the lists of the objects that do not keep their names. Returns whether there were some.
+  bool keep_only(FunctionRef<bool(const std::string& name)> keeps_name);
+  /// Returns whether a list names a user or a host.
+  bool names_somebody() const;
 
-  /// Returns an object whose list makes `who` a visitor; no value if there is none.
-  std::optional<std::string> object_of(const UserAtHost& who) const;
-  /// Returns whether the list of the object `name` makes `who` a visitor.
-  bool shows(const std::string& name, const UserAtHost& who) const;
-  /// Returns a number that stands for the lists of the objects that `who` sees. Two sets of lists
-  /// have different numbers; a list that is set again counts as another list.
-  std::uint64_t view_of(const UserAtHost& who) const;
+  /// Returns an object whose list makes `who` a visitor; no value if there is none. Skips the lists
+  /// of the servers to which `counts` does not apply.
+  std::optional<std::string> object_of(
+      const UserAtHost& who, FunctionRef<bool(const ServerLife& server)> counts) const;
+  /// What one user sees as a visitor.
+  struct Seen {
+    std::set<std::string> objects{};  ///< their names
+    /// A number that stands for the lists of these objects. Two sets of lists have different
+    /// numbers; a list that is set again counts as another list.
+    std::uint64_t view = 0;
+    /// The broker's last change when the newest of the lists was set. Earlier changes may be of
+    /// servers whose lists did not name the user.
+    std::uint64_t since = 0;
+  };
+  Seen seen_by(const UserAtHost& who) const;
 
-  /// Sets the list of the revoked users. No value means that the list is not known at the moment;
-  /// the last known list then counts.
-  /// A book without lists forgets whether it is known.
-  void revoke(std::optional<std::vector<RevokedUser>> revoked);
+  /// Sets the list of the revoked users.
+  void set_revoked(std::vector<RevokedUser> revoked);
+  /// The revoked users are not known at the moment. The last list that was set still counts.
+  void lose_revoked();
+  /// False while no list names anybody, because nobody then reads the list of the revoked users.
   bool knows_revoked() const;
   /// Returns whether a client is revoked; see access::revokes.
   bool revoked(std::string_view key, const UserAtHost& who) const;
@@ -63,8 +86,12 @@ class VisitorBook {
  private:
   struct Listed {
     ProgramList program;
-    std::uint64_t change = 0;  ///< the number of the change that set it
+    std::uint64_t change = 0;    ///< the number of the change of the book that set it
+    std::uint64_t revision = 0;  ///< the broker's last change at that moment
   };
+  bool admits(const ProgramList& one, const UserAtHost& who) const GECOS_REQUIRES(mutex_);
+  bool names_somebody_now() const GECOS_REQUIRES(mutex_);
+  void changed() GECOS_REQUIRES(mutex_);
 
   mutable Mutex mutex_;
   std::map<std::string, Listed> lists_ GECOS_GUARDED_BY(mutex_);  ///< by the name of the object

@@ -6,6 +6,7 @@
 #include <array>
 #include <random>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -53,7 +54,7 @@ Directory Broker::new_directory(Duration young) const {
 }
 
 void Broker::start_threads() {
-  reception_.start();
+  visitor_lists_.start();
   if (!watcher_.joinable()) {
     {
       const MutexLock lock(mutex_);
@@ -76,7 +77,7 @@ void Broker::watch_processes() {
     const auto milliseconds = std::chrono::ceil<std::chrono::milliseconds>(rest).count();
     ::poll(descriptors.data(), descriptors.size(), static_cast<int>(milliseconds));
     wake_watcher_->drain();
-    const TimePoint look_again = reception_.look(SystemClock().since_boot());
+    const TimePoint look_again = visitor_lists_.refresh_revoked(SystemClock().since_boot());
     const TimePoint now = SystemClock().since_boot();
     const MutexLock lock(mutex_);
     if (ended_) return;
@@ -85,6 +86,7 @@ void Broker::watch_processes() {
     rest = std::min({rest, directory_.on_tick(now) - now, look_again - now});
     rest = std::max(rest, Duration::zero());
     announce();
+    drop_visitor_lists(now);
   }
 }
 
@@ -125,12 +127,16 @@ void Broker::forget_unused_processes() {
 void Broker::announce() {
   const ListRevision now = directory_.revision();
   if (std::exchange(announced_, now.number) == now.number) return;
-  reception_.visitors()->book.keep_only([this](const std::string& name) {
-    mutex_.assert_held();
-    return directory_.knows(name);
-  });
   if (kept_) kept_->keep(directory_.of_this_host(), *processes_);
   publish_revision(now);
+}
+
+void Broker::drop_visitor_lists(TimePoint now) {
+  const bool dropped = visitor_lists_.visitors()->book.keep_only([&](const std::string& name) {
+    mutex_.assert_held();
+    return directory_.keeps_name(name, now);
+  });
+  if (dropped) publish_revision(directory_.revision());
 }
 
 void Broker::expect_known(const std::vector<media::Kind>& media) {
@@ -148,7 +154,7 @@ Serving Broker::serving(std::vector<media::Kind> media) {
   ObjectOptions options;
   options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
-  options.visitors = reception_.visitors();
+  options.visitors = visitor_lists_.visitors();
   // If only this process can use these media, no server has served an object before this broker
   // started, so the broker's answers need not be provisional.
   const bool alone = media::within_process(media);
@@ -178,19 +184,23 @@ void Broker::gecos_dispatch(IncomingCall call) {
 }
 
 View Broker::view() const {
-  return View(directory_, reception_.visitors()->book, session::visitor_of(*calling_.call));
+  return View(directory_, visitor_lists_.visitors()->book, session::visitor_of(*calling_.call));
 }
 
-Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for,
+Result<std::optional<double>> Broker::enlist(const Entry& told, double served_for,
                                              const std::optional<AdmittedNames>& admitted) {
-  reception_.prepare(admitted);
+  visitor_lists_.ensure_revoked_known(admitted);
+  const auto user = session::other_user_of(*calling_.call);
+  Entry what = told;
+  if (user) std::tie(what.user, what.hostname) = std::tie(user->who.user, user->who.host);
   const MutexLock lock(mutex_);
   if (!directory_.has(calling_.session, what.name)) {
     std::string why = session::refusal_to_register(*calling_.call, what.name);
     if (!why.empty()) return tl::unexpected(Fault::rejected(std::move(why)));
   }
   remove_ended();
-  const bool here = session::sees_process(what) && processes_->watch(what.pid);
+  const bool says_pid = !user || !user->pid || *user->pid == what.pid;
+  const bool here = says_pid && session::sees_process(what) && processes_->watch(what.pid);
   const Claim claim{calling_.session, calling_.incarnation, from_seconds(served_for),
                     here ? Host::Same : Host::Other};
   const auto before = directory_.look_up(what.name);
@@ -200,7 +210,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& what, double served_fo
     return tl::unexpected(Fault(provisional.error()));
   }
   announce();
-  if (reception_.note(what, admitted)) {
+  if (visitor_lists_.set(what, user, admitted, directory_.revision().number)) {
     // A visitor may see other objects now, although the list is the same for all others.
     publish_revision(directory_.revision());
     wake_watcher_->notify();
@@ -285,7 +295,7 @@ Result<std::vector<SilentObject>> Broker::silent() {
 }
 
 Result<RevocationList> Broker::revocations(std::uint64_t applied) {
-  const auto list = reception_.revoked().read();
+  const auto list = visitor_lists_.revoked().read();
   if (!list) return tl::unexpected(Fault::rejected(list.error()));
   {
     const MutexLock lock(mutex_);
@@ -299,7 +309,7 @@ Result<RevocationList> Broker::revocations(std::uint64_t applied) {
 }
 
 Result<RevocationState> Broker::behind(const std::vector<Revocation>& revoked) {
-  const auto list = reception_.revoked().read();
+  const auto list = visitor_lists_.revoked().read();
   if (!list) return tl::unexpected(Fault::rejected(list.error()));
   RevocationState state;
   state.listed = std::ranges::all_of(revoked, [&](const Revocation& one) {

@@ -13,8 +13,8 @@
 #include "gecos/broker/directory.hpp"
 #include "gecos/broker/kept_names.hpp"
 #include "gecos/broker/processes.hpp"
-#include "gecos/broker/reception.hpp"
 #include "gecos/broker/view.hpp"
+#include "gecos/broker/visitor_lists.hpp"
 #include "gecos/broker_server.hpp"
 #include "gecos/serve.hpp"
 #include "gecos/server.hpp"
@@ -49,7 +49,7 @@ class Broker final : public BrokerServant {
   void gecos_session_ended(std::uint64_t session) override;
 
  protected:
-  Result<std::optional<double>> enlist(const Entry& what, double served_for,
+  Result<std::optional<double>> enlist(const Entry& told, double served_for,
                                        const std::optional<AdmittedNames>& admitted) override;
   Result<void> withdraw(const std::string& name) override;
   Result<Entry> lookup(const std::string& name) override;
@@ -77,6 +77,7 @@ class Broker final : public BrokerServant {
   void remove_ended() GECOS_REQUIRES(mutex_);
   void forget_unused_processes() GECOS_REQUIRES(mutex_);
   void announce() GECOS_REQUIRES(mutex_);
+  void drop_visitor_lists(TimePoint now) GECOS_REQUIRES(mutex_);
   /// Returns what the client of the current call sees of the directory.
   View view() const GECOS_REQUIRES(mutex_);
 
@@ -101,7 +102,7 @@ class Broker final : public BrokerServant {
     TimePoint due;
   };
   std::vector<EndedSession> ended_sessions_ GECOS_GUARDED_BY(mutex_);
-  Reception reception_;  ///< started while the broker is served
+  VisitorLists visitor_lists_;  ///< started while the broker is served
   /// The number of the list of revocations that the server of each session has applied. Used by the
   /// calls and at the end of a session.
   std::map<std::uint64_t, std::uint64_t> applied_ GECOS_GUARDED_BY(mutex_);

@@ -26,8 +26,9 @@ bool is_a(const Entry& entry, std::string_view interface_name) {
          std::ranges::find(entry.bases, interface_name) != entry.bases.end();
 }
 
-bool keeps_name(const Directory& directory, const Silent& one, TimePoint now) {
-  return directory.free_in(one, now) != Duration::zero();
+/// Returns whether both are objects of one life of a server.
+bool is_same_life(const Entry& one, const Entry& other) {
+  return one.boot == other.boot && one.user == other.user && one.hostname == other.hostname;
 }
 
 }  // namespace
@@ -47,9 +48,9 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
     std::uint64_t epoch = 0;  // 0: a new one
     if (silent != silent_.end()) {
       const Silent& one = silent->second;
-      if (own_life && one.entry.boot == entry.boot) {
+      if (own_life && is_same_life(one.entry, entry)) {
         if (one.entry == entry) epoch = one.epoch;
-      } else if (keeps_name(*this, one, now)) {
+      } else if (keeps_name(one, now)) {
         return tl::unexpected(NameTaken{entry.name, why_kept(one, now)});
       }
       silent_.erase(silent);
@@ -80,6 +81,12 @@ bool Directory::gives_way(const Place& place, const Entry& entry, TimePoint sinc
                           TimePoint now) const {
   return now < settled_ && since < started_ && since < place.since &&
          std::ranges::find(place.displaced, entry) == place.displaced.end();
+}
+
+bool Directory::keeps_name(const std::string& name, TimePoint now) const {
+  if (places_.contains(name)) return true;
+  const auto found = silent_.find(name);
+  return found != silent_.end() && keeps_name(found->second, now);
 }
 
 std::optional<Duration> Directory::free_in(const Silent& one, TimePoint now) const {
@@ -192,7 +199,7 @@ TimePoint Directory::on_tick(TimePoint now) {
       one.expected = false;
       one.epoch = note(one.entry, Presence::SILENT, one.epoch, one.since);
     }
-    const bool kept = keeps_name(*this, one, now);
+    const bool kept = keeps_name(one, now);
     const TimePoint forget = one.since + remembered;
     if (!kept && now >= forget) {
       note(one.entry, Presence::GONE, one.epoch);
@@ -211,7 +218,7 @@ TimePoint Directory::on_tick(TimePoint now) {
 void Directory::forget_most(TimePoint now) {
   std::vector<std::map<std::string, Silent>::iterator> is_free;
   for (auto at = silent_.begin(); at != silent_.end(); ++at) {
-    if (!keeps_name(*this, at->second, now)) is_free.push_back(at);
+    if (!keeps_name(at->second, now)) is_free.push_back(at);
   }
   if (is_free.size() <= most_silent) return;
   std::ranges::sort(is_free, {}, [](const auto& at) { return at->second.since; });
@@ -246,7 +253,7 @@ std::vector<Silent> Directory::silent(TimePoint now) const {
   std::vector<Silent> found;
   for (const auto& [name, one] : silent_) {
     if (one.expected) continue;
-    if (keeps_name(*this, one, now) || now - one.since < remembered) found.push_back(one);
+    if (keeps_name(one, now) || now - one.since < remembered) found.push_back(one);
   }
   return found;
 }

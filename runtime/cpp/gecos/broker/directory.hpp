@@ -125,10 +125,8 @@ class Directory {
   /// Returns the changes after `since`, or the whole list when some of these changes are no longer
   /// kept.
   ListChanges changes(const ListRevision& since, TimePoint now) const;
-  /// Returns whether an object has or keeps the name.
-  bool knows(const std::string& name) const {
-    return places_.contains(name) || silent_.contains(name);
-  }
+  /// Returns whether an object has the name, or is silent and keeps the name.
+  bool keeps_name(const std::string& name, TimePoint now) const;
   /// Returns whether the process `pid` of the broker's host has an object, online or silent.
   bool uses_process(std::int32_t pid) const;
   /// Returns the objects, online or silent, whose processes are on the broker's host.
@@ -150,6 +148,9 @@ class Directory {
   };
 
   bool gives_way(const Place& place, const Entry& entry, TimePoint since, TimePoint now) const;
+  bool keeps_name(const Silent& one, TimePoint now) const {
+    return free_in(one, now) != Duration::zero();
+  }
   std::string why_kept(const Silent& one, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;
   void forget_most(TimePoint now);

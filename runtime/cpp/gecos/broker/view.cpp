@@ -30,15 +30,15 @@ std::vector<Silent> View::silent(TimePoint now) const {
 
 ListRevision View::revision() const {
   ListRevision revision = directory_.revision();
-  if (visitor_) revision.life ^= book_.view_of(*visitor_);
+  if (seen_) revision.life ^= seen_->view;
   return revision;
 }
 
 ListChanges View::changes(const ListRevision& since, TimePoint now) const {
-  if (!visitor_) return directory_.changes(since, now);
+  if (!seen_) return directory_.changes(since, now);
   const ListRevision seen = revision();
   ListRevision asked = directory_.revision();
-  if (since.life == seen.life) {
+  if (since.life == seen.life && since.number >= seen_->since) {
     asked.number = since.number;
   } else {
     asked.life = ~asked.life;

@@ -15,8 +15,10 @@ class View {
  public:
   /// `visitor`: no value if the client is no visitor.
   View(const Directory& directory, const access::VisitorBook& book,
-       std::optional<access::UserAtHost> visitor)
-      : directory_(directory), book_(book), visitor_(std::move(visitor)) {}
+       const std::optional<access::UserAtHost>& visitor)
+      : directory_(directory) {
+    if (visitor) seen_ = book.seen_by(*visitor);
+  }
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
   std::vector<Entry> list() const;
@@ -25,15 +27,15 @@ class View {
   /// The life of a visitor's list is another one whenever the visitor sees other objects. The
   /// visitor then gets the whole list, in which the objects are missing that are hidden now.
   ListRevision revision() const;
+  /// A visitor is told no change from before the lists of the objects named this user.
   ListChanges changes(const ListRevision& since, TimePoint now) const;
 
  private:
-  bool hidden(const std::string& name) const { return visitor_ && !book_.shows(name, *visitor_); }
+  bool hidden(const std::string& name) const { return seen_ && !seen_->objects.contains(name); }
   bool hides(const Entry& one) const { return hidden(one.name); }
 
   const Directory& directory_;
-  const access::VisitorBook& book_;
-  const std::optional<access::UserAtHost> visitor_;
+  std::optional<access::VisitorBook::Seen> seen_;  ///< no value: everything
 };
 
 }  // namespace gecos::broker

@@ -113,6 +113,11 @@ void AccessControl::receive(std::shared_ptr<const Visitors> visitors) {
   visitors_ = std::move(visitors);
 }
 
+std::optional<access::UserAtHost> AccessControl::other_user(const media::Peer& peer) {
+  if (is_of_server(peer)) return std::nullopt;
+  return user_of(peer, host_name());
+}
+
 std::optional<access::UserAtHost> AccessControl::visitor(const std::string& object,
                                                          const media::Peer& peer) noexcept {
   Judgement judgement = judge_by_lists(object, peer);
@@ -122,13 +127,19 @@ std::optional<access::UserAtHost> AccessControl::visitor(const std::string& obje
 
 AccessControl::Judgement AccessControl::judge_visitor(const std::string& object,
                                                       const media::Peer& peer,
+                                                      const access::UserAtHost& server,
                                                       const access::UserAtHost& who,
                                                       std::string refusal) {
   const Judgement refused{false, false, who, std::move(refusal)};
   if (!visitors_ || object != access::broker_object || policy_.lab.objects.contains(object)) {
     return refused;
   }
-  const auto shown = visitors_->book.object_of(who);
+  // A list counts only as long as the user of its server may connect without a list: else users
+  // whom the lab file drops would admit each other.
+  const auto shown = visitors_->book.object_of(who, [&](const access::ServerLife& one) {
+    mutex_.assert_held();
+    return one.own || policy_.decide(server, one.user, object).allowed();
+  });
   if (!shown) return refused;
   if (visitors_->book.revoked(peer.key, who)) {
     return {false, false, who,
@@ -215,7 +226,7 @@ AccessControl::Judgement AccessControl::judge_by_lists(const std::string& object
     if (is_of_server(peer)) return {};
     const MutexLock lock(mutex_);
     const access::AccessDecision decision = policy().decide(server, who, object);
-    if (!decision.allowed()) return judge_visitor(object, peer, who, decision.text);
+    if (!decision.allowed()) return judge_visitor(object, peer, server, who, decision.text);
     return {true, false, who, decision.text};
   } catch (const std::exception& failed) {
     return {false, false, {}, object + " refuses all other users: " + failed.what()};

@@ -68,6 +68,9 @@ class AccessControl {
   Judgement judge_again(const std::string& object, const media::Peer& peer) noexcept {
     return judge_by_lists(object, peer);
   }
+  /// Returns who the client is; no value if it is a program of the server's user or of root, or if
+  /// neither the kernel nor a key names another user.
+  std::optional<access::UserAtHost> other_user(const media::Peer& peer);
   /// Returns no value if the client may connect to the object with all rights of its status.
   /// Returns the user of a visitor, and that of a client that is refused: such a client can do no
   /// more than a visitor. Decides like `judge_again`.
@@ -90,8 +93,10 @@ class AccessControl {
   access::UserAtHost user_of(const media::Peer& peer, const std::string& host);
   Judgement judge_by_lists(const std::string& object, const media::Peer& peer) noexcept;
   /// Decides about a client that no list admits.
+  /// @param server the user of this server, and its host
   Judgement judge_visitor(const std::string& object, const media::Peer& peer,
-                          const access::UserAtHost& who, std::string refusal)
+                          const access::UserAtHost& server, const access::UserAtHost& who,
+                          std::string refusal)
       GECOS_REQUIRES(mutex_);
   /// Returns the policy by the lab file as it was read last.
   const access::AccessPolicy& policy() GECOS_REQUIRES(mutex_);

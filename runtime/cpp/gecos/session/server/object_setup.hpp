@@ -19,6 +19,9 @@ struct UserRights {
   bool everybody_connects = false;
   /// Returns whether the user may end the status of others.
   std::function<bool(const media::Peer&)> administers = [](const auto&) { return false; };
+  /// Returns who the client is; no value if it is a program of the server's user or of root.
+  std::function<std::optional<access::UserAtHost>(const media::Peer&)> other_user =
+      [](const auto&) { return std::nullopt; };
   /// Returns the user of a client that may connect to the object as a visitor only
   /// (access/visitors.hpp); no value if the client is no visitor.
   std::function<std::optional<access::UserAtHost>(const std::string& object, const media::Peer&)>

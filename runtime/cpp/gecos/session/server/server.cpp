@@ -194,6 +194,7 @@ Server::Core::~Core() {
 session::UserRights Server::Core::rights() const {
   return {admission_ == Admission::Insecure,
           [access = access_](const media::Peer& peer) { return access->administers(peer); },
+          [access = access_](const media::Peer& peer) { return access->other_user(peer); },
           [access = access_](const std::string& object, const media::Peer& peer) {
             return access->visitor(object, peer);
           },

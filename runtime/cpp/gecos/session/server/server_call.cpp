@@ -28,6 +28,15 @@ std::string refusal_to_register(const CallCore& call, const std::string& name) {
   return client.object()->setup().rights.refusal_to_register(name, client.connection().peer());
 }
 
+std::optional<ProvedUser> other_user_of(const CallCore& call) {
+  const auto* const served = dynamic_cast<const ServerCall*>(&call);
+  if (served == nullptr) return std::nullopt;  // a test's own call
+  const media::Peer& peer = served->session->connection().peer();
+  auto who = served->session->object()->setup().rights.other_user(peer);
+  if (!who) return std::nullopt;
+  return ProvedUser{*std::move(who), peer.key, peer.pid};
+}
+
 std::optional<access::UserAtHost> visitor_of(const CallCore& call) {
   const auto* const served = dynamic_cast<const ServerCall*>(&call);
   if (served == nullptr) return std::nullopt;  // a test's own call
