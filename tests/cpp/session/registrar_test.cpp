@@ -29,9 +29,14 @@ class TellingBroker : public gecos::BrokerServant {
   std::string admitted() {
     const std::lock_guard lock(mutex_);
     if (!admitted_) return "nothing";
-    std::string text = std::to_string(admitted_->number) + ":";
+    std::string text = "users:";
     for (const auto& user : admitted_->users) text += " " + user;
     return text;
+  }
+  /// The number of what the server said last; 0 if it said nothing.
+  std::uint64_t number() {
+    const std::lock_guard lock(mutex_);
+    return admitted_ ? admitted_->number : 0;
   }
 
  private:
@@ -151,25 +156,44 @@ TEST_F(Named, AnObjectThatHasItsNameAgainMovesAgain) {
 
 TEST_F(Named, TheBrokerIsToldWhomTheProgramAdmits) {
   serve(Answer::Settled);
-  EXPECT_EQ(broker_.admitted(), "nothing");
+  EXPECT_EQ(broker_.admitted(), "users:") << "an older server says nothing";
+  const auto nobody = broker_.number();
   server_.allow({"anna"});
-  EXPECT_TRUE(settles([this] { return broker_.admitted() == "1: anna"; }));
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "users: anna"; }));
+  const auto anna = broker_.number();
+  EXPECT_GT(anna, nobody);
   server_.allow({});
-  EXPECT_TRUE(settles([this] { return broker_.admitted() == "2:"; }));
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "users:"; }));
+  EXPECT_GT(broker_.number(), anna);
 }
 
 TEST_F(Named, WhatIsAllowedBeforeTheFirstAnswerIsToldAfterIt) {
   server_.allow({"anna"});
   broker_.on_enlist = [this] { server_.allow({"ben"}); };
   serve(Answer::Settled);
-  EXPECT_TRUE(settles([this] { return broker_.admitted() == "2: ben"; }));
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "users: ben"; }));
 }
 
 TEST_F(Named, WhatIsAllowedBeforeALaterAnswerIsToldAfterIt) {
   serve(Answer::Settled);
   broker_.on_enlist = [this] { server_.allow({"ben"}); };
   server_.allow({"anna"});
-  EXPECT_TRUE(settles([this] { return broker_.admitted() == "2: ben"; }));
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "users: ben"; }));
+}
+
+TEST_F(Named, ALaterServerOfTheProcessTellsAListWithAGreaterNumber) {
+  serve(Answer::Settled);
+  std::uint64_t before = 0;
+  for (const std::string user : {"anna", "ben", "carl"}) {
+    before = broker_.number();
+    server_.allow({user});
+    ASSERT_TRUE(settles([&] { return broker_.number() > before; }));
+  }
+  before = broker_.number();
+  probe::ProbeServant other;
+  gecos::Server later(server_lab_);
+  ASSERT_TRUE(later.add("OTHER", other, {.media = {gecos::media::Kind::Inproc}}));
+  EXPECT_GT(broker_.number(), before) << "if it took the name of the first one, the list of that one would stay";
 }
 
 TEST_F(Named, MoreNamesThanTheBrokerTakesAreRefused) {

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <utility>
 
@@ -37,6 +38,14 @@ bool others_find(const Entry& entry, const ClientConnection& broker) {
     return !kind || media::reach_of(*kind) != media::Reach::Process;
   };
   return elsewhere(broker.place()) && std::ranges::any_of(entry.addresses, elsewhere);
+}
+
+/// Returns a number for a list of admitted names that is greater than that of each earlier list of
+/// this process. Two servers of one process may serve one name, one after the other, and the broker
+/// keeps the list with the greater number.
+std::uint64_t next_number() {
+  static std::atomic<std::uint64_t> last{0};  // publishes nothing but itself
+  return ++last;
 }
 
 }  // namespace
@@ -106,7 +115,7 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   if (!enlisted) return tl::unexpected(entry.name + " is not served: " + enlisted.error());
   const MutexLock lock(mutex_);
   registrations_.push_back(std::move(registration));
-  const bool admits_others = admitted_ != registrations_.back().admitted;
+  const bool admits_others = renew(registrations_.back());
   if (*enlisted > Duration::zero() || admits_others) ask_soon();
   return {};
 }
@@ -131,7 +140,7 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
     registration.since = lab_->runtime()->clock().since_boot();
     {
       const MutexLock lock(mutex_);
-      registration.admitted = admitted_;
+      renew(registration);
     }
     const auto asked =
         register_object(**broker, registration.entry, Duration::zero(), registration.admitted);
@@ -166,9 +175,18 @@ void Registrar::look() {
 
 void Registrar::admit(std::vector<std::string> users, std::vector<std::string> hosts) {
   const MutexLock lock(mutex_);
-  const std::uint64_t number = admitted_ ? admitted_->number + 1 : 1;
-  admitted_ = AdmittedNames{number, std::move(users), std::move(hosts)};
-  if (!registrations_.empty()) ask_soon();
+  users_ = std::move(users);
+  hosts_ = std::move(hosts);
+  bool any = false;
+  for (auto& one : registrations_) any = renew(one) || any;
+  if (any) ask_soon();
+}
+
+bool Registrar::renew(Registration& registration) const {
+  AdmittedNames& told = registration.admitted;
+  if (told.number != 0 && told.users == users_ && told.hosts == hosts_) return false;
+  told = {next_number(), users_, hosts_};
+  return true;
 }
 
 void Registrar::ask_again() {
@@ -196,24 +214,23 @@ void Registrar::run() {
     if (ended_) return;
     wanted_ = false;
     const auto registrations = registrations_;
-    const auto admitted = admitted_;
     lock.unlock();
-    const Duration rest = ask(registrations, admitted);
+    const Duration rest = ask(registrations);
     lock.lock();
     next_ = deadline_after(rest);
   }
 }
 
-Duration Registrar::ask(const std::vector<Registration>& registrations, const Admitted& admitted) {
+Duration Registrar::ask(const std::vector<Registration>& registrations) {
   std::vector<std::uint64_t> questions;  // must be read before the broker is asked
   for (const auto& one : registrations)
     questions.push_back(one.object->name_confirmation().question());
   const TimePoint deadline = deadline_after(answer_patience);
-  auto answers = ask_broker(registrations, admitted, deadline);
+  auto answers = ask_broker(registrations, deadline);
   // The broker may have ended the session of this server, for example while this process was
   // suspended. A new session may work.
   while (answers.lost && lab_->runtime()->clock().now() < deadline) {
-    answers = ask_broker(registrations, admitted, deadline);
+    answers = ask_broker(registrations, deadline);
   }
   note_broker(answers.missing);
 
@@ -245,7 +262,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations, const Ad
 }
 
 Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& registrations,
-                                         const Admitted& admitted, TimePoint deadline) {
+                                         TimePoint deadline) {
   Answers answers;
   const auto broker = find_broker(deadline);
   if (!broker) {
@@ -257,7 +274,7 @@ Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& regist
   contact_->renew(**broker, deadline);
   std::vector<std::shared_ptr<CommandCore>> asked;
   for (const auto& one : registrations) {
-    asked.push_back(register_object(**broker, one.entry, served_for(one), admitted));
+    asked.push_back(register_object(**broker, one.entry, served_for(one), one.admitted));
   }
   for (const auto& command : asked) answers.of_each.push_back(await_registered(*command, deadline));
   answers.lost = (*broker)->lost();

@@ -48,10 +48,9 @@ class Registrar {
     Entry entry;
     std::shared_ptr<ObjectHost> object;
     TimePoint since{};  ///< when the object was first registered, by CLOCK_BOOTTIME
-    std::optional<AdmittedNames> admitted{};  ///< as the broker was told first
+    AdmittedNames admitted{};   ///< as the broker is told with each registration
   };
   using Broker = std::shared_ptr<ClientConnection>;
-  using Admitted = std::optional<AdmittedNames>;
 
   void run();
   struct Answers {
@@ -62,9 +61,11 @@ class Registrar {
   /// Asks the broker about all names and passes the answers to the objects. Returns how long to
   /// wait before the broker is asked again; Duration::max() when the answers for all names are
   /// final.
-  Duration ask(const std::vector<Registration>& registrations, const Admitted& admitted);
-  Answers ask_broker(const std::vector<Registration>& registrations, const Admitted& admitted,
-                     TimePoint deadline);
+  Duration ask(const std::vector<Registration>& registrations);
+  Answers ask_broker(const std::vector<Registration>& registrations, TimePoint deadline);
+  /// Gives `registration` the names that are admitted now. Gives them a new number and returns true
+  /// if they differ from those that it had.
+  bool renew(Registration& registration) const GECOS_REQUIRES(mutex_);
   tl::expected<Broker, std::string> find_broker(TimePoint deadline);
   void ask_soon() GECOS_REQUIRES(mutex_);
   Duration served_for(const Registration& registration) const;
@@ -86,7 +87,8 @@ class Registrar {
   ConditionVariable changed_;  ///< `thread_` and `rest` wait on it, so notify it with notify_all
                                ///< only
   std::vector<Registration> registrations_ GECOS_GUARDED_BY(mutex_);
-  Admitted admitted_ GECOS_GUARDED_BY(mutex_);  ///< no value before the first `admit`
+  std::vector<std::string> users_ GECOS_GUARDED_BY(mutex_);  ///< of the last `admit`
+  std::vector<std::string> hosts_ GECOS_GUARDED_BY(mutex_);
   Broker broker_ GECOS_GUARDED_BY(mutex_);  ///< the broker with which the objects are registered
   /// The address of the first broker; later brokers are expected at the same address.
   std::string place_ GECOS_GUARDED_BY(mutex_);
