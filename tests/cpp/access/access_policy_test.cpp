@@ -262,5 +262,46 @@ TEST(AccessPolicy, AdmitsWhomTheModelAdmitsInAHundredThousandPolicies) {
   EXPECT_GT(named, 10'000u);
 }
 
+TEST(WhomBothAdmit, AreTheNamesInBothListsAndAStarStandsForAll) {
+  const auto users_of = [](std::vector<std::string> one, std::vector<std::string> other) {
+    return whom_both_admit(list_for(std::move(one)), list_for(std::move(other))).users;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(users_of({"anna", "bob"}, {"bob", "carl"}), Names{"bob"});
+  EXPECT_EQ(users_of({"anna"}, {"bob"}), Names{});
+  EXPECT_EQ(users_of({"anna"}, {}), Names{});
+  EXPECT_EQ(users_of({"*"}, {"anna", "bob"}), (Names{"anna", "bob"}));
+  EXPECT_EQ(users_of({"anna", "bob"}, {"*"}), (Names{"anna", "bob"}));
+  EXPECT_EQ(users_of({"anna", "*"}, {"bob"}), Names{"bob"})
+      << "a program may name more than a star";
+  EXPECT_EQ(users_of({"*"}, {"*"}), Names{"*"});
+  EXPECT_EQ(users_of({"anna@desk"}, {"anna"}), Names{}) << "a list names users and hosts apart";
+  const auto both =
+      whom_both_admit(list_for({"anna"}, {"*"}, "one"), list_for({"anna"}, {"desk"}, "other"));
+  EXPECT_EQ(both.hosts, Names{"desk"});
+  EXPECT_EQ(both.place, "one and other");
+}
+
+TEST(WhomBothAdmit, AreNamedByTheProgramAndAdmittedByThePolicyInAHundredThousandPolicies) {
+  RandomPolicies policies;
+  std::size_t named = 0, narrower = 0;
+  for (std::size_t i = 0; i < 100'000; ++i) {
+    AccessPolicy policy = policies.next();
+    policy.insecure = i % 7 == 0;
+    const std::string object = i / 12 % 2 == 0 ? "RX90" : "GRIPPER";
+    const UserAtHost who{all_users[i % 4], all_hosts[i / 4 % 3]};
+    const auto by = [&](const AllowList& list) {
+      return decide_by(list, lab_user, who) == AccessRule::Named;
+    };
+    const bool by_program = policy.program && by(*policy.program);
+    const bool expected = by_program && policy.decide(lab_user, who, object).allowed();
+    ASSERT_EQ(by(policy.named_by_program(object)), expected) << "policy " << i;
+    named += expected;
+    narrower += by_program && !expected;
+  }
+  EXPECT_GT(named, 1'000u) << "the policies must not be too simple";
+  EXPECT_GT(narrower, 1'000u);
+}
+
 }  // namespace
 }  // namespace gecos::access

@@ -1,9 +1,12 @@
 // What a server does with what a broker says of its object's name.
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <future>
 #include <stdexcept>
 #include <utility>
 
+#include "../media/scratch_directory.hpp"
 #include "../settles.hpp"
 #include "bench.hpp"
 #include "gecos/broker_server.hpp"
@@ -32,6 +35,10 @@ class TellingBroker : public gecos::BrokerServant {
     std::string text = "users:";
     for (const auto& user : admitted_->users) text += " " + user;
     return text;
+  }
+  std::size_t users() {
+    const std::lock_guard lock(mutex_);
+    return admitted_ ? admitted_->users.size() : 0;
   }
   /// The number of what the server said last; 0 if it said nothing.
   std::uint64_t number() {
@@ -193,7 +200,62 @@ TEST_F(Named, ALaterServerOfTheProcessTellsAListWithAGreaterNumber) {
   probe::ProbeServant other;
   gecos::Server later(server_lab_);
   ASSERT_TRUE(later.add("OTHER", other, {.media = {gecos::media::Kind::Inproc}}));
-  EXPECT_GT(broker_.number(), before) << "if it took the name of the first one, the list of that one would stay";
+  EXPECT_GT(broker_.number(), before)
+      << "if it took the name of the first one, the list of that one would stay";
+}
+
+/// Another server, whose lab file has a list for its object.
+class NamedInALabFile : public Named {
+ protected:
+  NamedInALabFile() { edit("users = [\"anna\", \"ben\"]"); }
+  void edit(const std::string& list) const {
+    std::ofstream(path_) << "[objects.LIMITED.allow]\n" << list << "\n";
+    std::filesystem::permissions(path_, std::filesystem::perms(0644));
+    // As if nobody had changed the file for a minute: an edit counts a moment later.
+    std::filesystem::last_write_time(
+        path_, std::filesystem::last_write_time(path_) - std::chrono::minutes(1));
+  }
+  void serve_limited() {
+    serve(Answer::Settled);
+    ASSERT_TRUE(limited_server_.add("LIMITED", limited_, {.media = {gecos::media::Kind::Inproc}}));
+  }
+  gecos::LabOptions with_file() const {
+    auto options = probe::patient();
+    options.lab_file = path_;
+    return options;
+  }
+
+  const gecos::media::ScratchDirectory directory_;
+  const std::string path_ = directory_.path() + "/lab.toml";
+  probe::ProbeServant limited_;
+  gecos::Lab limited_lab_{with_file()};
+  gecos::Server limited_server_{limited_lab_};
+};
+
+TEST_F(NamedInALabFile, TheBrokerIsToldOnlyWhomTheFileAdmitsToo) {
+  limited_server_.allow({"anna", "carl"});
+  serve_limited();
+  EXPECT_EQ(broker_.admitted(), "users: anna");
+  limited_server_.allow({"*"});
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "users: anna ben"; }));
+}
+
+TEST_F(NamedInALabFile, TheBrokerIsToldWhenAnEditChangesWhoIsAdmitted) {
+  limited_server_.allow({"anna", "carl"});
+  serve_limited();
+  const auto before = broker_.number();
+  edit("users = [\"carl\"]");
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "users: carl"; }));
+  EXPECT_GT(broker_.number(), before);
+}
+
+TEST_F(NamedInALabFile, TheBrokerIsToldNoMoreNamesThanItTakes) {
+  std::string names;
+  for (int i = 0; i < 300; ++i) names += "\"user" + std::to_string(i) + "\", ";
+  edit("users = [" + names + "]");
+  limited_server_.allow({"*"});
+  serve_limited();
+  EXPECT_EQ(broker_.users(), 256u);
 }
 
 TEST_F(Named, MoreNamesThanTheBrokerTakesAreRefused) {

@@ -152,7 +152,8 @@ std::string serves(gecos::Lab& lab, Child::Line& line) {
   return line.hear();
 }
 
-/// Registers LIE as the server of another user in the process of PROBE's server. Keeps the session.
+/// Registers LIE as the server of another user in the process of PROBE's server, with a list that
+/// the lab file does not narrow.
 std::string lies(const AtBroker& at) {
   gecos::Entry lie;
   lie.name = "LIE";
@@ -164,7 +165,7 @@ std::string lies(const AtBroker& at) {
   lie.pid = known->pid;
   lie.pid_namespace = known->pid_namespace;
   lie.boot = known->boot;
-  const auto enlisted = at.broker.enlist(lie).get();
+  const auto enlisted = at.broker.enlist(lie, 0, gecos::AdmittedNames{1, {"bin"}, {}}).get();
   return enlisted ? "enlisted" : enlisted.error().text;
 }
 
@@ -302,6 +303,29 @@ TEST_F(Visitors, AListOfTheBrokerKeepsItsMeaning) {
       << refused;
 }
 
+TEST_F(Visitors, AListOfTheBrokersOwnProgramKeepsItsMeaning) {
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon", "bin"});
+  ASSERT_TRUE(comes_to_use(daemon));
+  laboratory.broker.server.allow({"bin"});
+  EXPECT_EQ(tell(bin, "use"), "read 7");
+  const std::string refused = tell(daemon, "look");
+  EXPECT_NE(refused.find("Server::allow in the program of the server does not name user daemon"),
+            std::string::npos)
+      << refused;
+}
+
+TEST_F(Visitors, AnObjectMakesNoVisitorOfAUserWhomItsListInTheLabFileRefuses) {
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon"});
+  laboratory.other_server.allow({"daemon"});
+  ASSERT_TRUE(settles([&] { return tell(daemon, "look").find("list OTHER PROBE query") == 0; }));
+  place.edit("[objects.PROBE.allow]\nusers = [\"bin\"]\n");
+  EXPECT_TRUE(settles([&] { return tell(daemon, "look").find("list OTHER query") == 0; }));
+  place.edit("");
+  EXPECT_TRUE(settles([&] { return tell(daemon, "look").find("list OTHER PROBE query") == 0; }));
+}
+
 TEST_F(Visitors, AVisitorWhomTheProgramAdmitsNoMoreIsSentAway) {
   Laboratory laboratory;
   laboratory.server.allow({"daemon"});
@@ -344,9 +368,8 @@ TEST_F(Visitors, NobodyIsReceivedWhileItIsNotKnownWhoIsRevoked) {
 TEST_F(Visitors, AUserWhomTheLabFileDropsMakesNobodyAVisitorAnyMore) {
   place.write("[allow]\nusers = [\"daemon\"]\n");
   Laboratory laboratory;
-  ASSERT_EQ(tell(daemon, "serve"), "serves");
-  ASSERT_TRUE(settles([&] { return tell(bin, "look").find("list MINE query MINE") == 0; }))
-      << "MINE admits everybody";
+  ASSERT_EQ(tell(daemon, "lie"), "enlisted");
+  ASSERT_TRUE(settles([&] { return tell(bin, "look").find("list LIE query silent") == 0; }));
   place.edit("");
   const auto refused = [&](Child& user, const std::string& name) {
     return tell(user, "look").find("BROKER refuses user " + name) != std::string::npos;
@@ -355,10 +378,8 @@ TEST_F(Visitors, AUserWhomTheLabFileDropsMakesNobodyAVisitorAnyMore) {
   const AtBroker at(laboratory.lab);
   const auto silent = at.broker.silent().get();
   ASSERT_TRUE(silent);
-  EXPECT_TRUE(at.broker.lookup("MINE").get() || (*silent)[0].free_in > 0)
+  EXPECT_TRUE(at.broker.lookup("LIE").get() || (*silent)[0].free_in > 0)
       << "the list counts no more, although the server has the name";
-  daemon.line().say("go on");
-  ASSERT_EQ(daemon.line().hear(), "go on");
   EXPECT_TRUE(refused(daemon, "daemon")) << tell(daemon, "look");
 }
 

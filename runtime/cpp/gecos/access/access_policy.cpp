@@ -1,6 +1,7 @@
 #include "gecos/access/access_policy.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace gecos::access {
 namespace {
@@ -22,6 +23,16 @@ std::optional<AccessRule> admitted_without_list(const UserAtHost& server, const 
   if (who == server) return AccessRule::OwnUser;
   if (who == UserAtHost{"root", server.host}) return AccessRule::Root;
   return std::nullopt;
+}
+
+std::vector<std::string> names_in_both(const std::vector<std::string>& one,
+                                       const std::vector<std::string>& other) {
+  if (names(one, std::string(everyone))) return other;
+  if (names(other, std::string(everyone))) return one;
+  std::vector<std::string> both;
+  std::ranges::copy_if(one, std::back_inserter(both),
+                       [&](const auto& name) { return names(other, name); });
+  return both;
 }
 
 std::string words(const UserAtHost& who) { return "user " + who.user + " of host " + who.host; }
@@ -59,12 +70,17 @@ const AllowList* list_of_broker(const LabAccess& lab, const UserAtHost& server,
   return first;
 }
 
-const AllowList* list_of(const LabAccess& lab, const UserAtHost& server, const UserAtHost& who,
-                         std::string_view object) {
+/// Returns the list of the lab file that holds for `object`, which is not the broker.
+const AllowList* list_of(const LabAccess& lab, std::string_view object) {
   const auto own = lab.objects.find(std::string(object));
   if (own != lab.objects.end()) return &own->second;
-  if (object == broker_object) return list_of_broker(lab, server, who);
   return lab.general ? &*lab.general : nullptr;
+}
+
+const AllowList* list_of(const LabAccess& lab, const UserAtHost& server, const UserAtHost& who,
+                         std::string_view object) {
+  const bool broker = object == broker_object && !lab.objects.contains(std::string(object));
+  return broker ? list_of_broker(lab, server, who) : list_of(lab, object);
 }
 
 AccessDecision nobody_named(const LabAccess& lab, const UserAtHost& server, const UserAtHost& who,
@@ -132,6 +148,11 @@ AccessRule decide_by(const AllowList& list, const UserAtHost& server, const User
   return refusal_of(list, server, who).value_or(AccessRule::Named);
 }
 
+AllowList whom_both_admit(const AllowList& one, const AllowList& other) {
+  return {names_in_both(one.users, other.users), names_in_both(one.hosts, other.hosts),
+          one.place + " and " + other.place};
+}
+
 AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& who,
                                     std::string_view object) const {
   if (const auto rule = admitted_without_list(server, who)) {
@@ -156,6 +177,12 @@ AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& 
   }
   if (admitting.empty()) return nobody_named(lab, server, who, object);
   return admit(AccessRule::Named, who, object, "named by " + admitting);
+}
+
+AllowList AccessPolicy::named_by_program(std::string_view object) const {
+  if (!program) return {};
+  const AllowList* const in_file = insecure ? nullptr : list_of(lab, object);
+  return in_file == nullptr ? *program : whom_both_admit(*program, *in_file);
 }
 
 bool AccessPolicy::administers(const UserAtHost& server, const UserAtHost& who) const {

@@ -101,6 +101,10 @@ NameDecision may_report(const LabAccess& lab, const std::string& zone, const std
 /// UserNotNamed or HostNotNamed. `server`: the user and host of the server.
 AccessRule decide_by(const AllowList& list, const UserAtHost& server, const UserAtHost& who);
 
+/// Returns the list that, by the rule of `decide_by`, admits exactly the users whom `one` and
+/// `other` both admit.
+AllowList whom_both_admit(const AllowList& one, const AllowList& other);
+
 /// Who may connect to the objects of one server. The user of the server and root may always connect
 /// on the server's host. Two lists can name other users: the list that the program gave to
 /// `Server::allow`, and the list of the lab file for the object. Another user may connect if at
@@ -117,6 +121,11 @@ struct AccessPolicy {
 
   AccessDecision decide(const UserAtHost& server, const UserAtHost& who,
                         std::string_view object) const;
+  /// Returns the list of those whom the program names and whom `decide` admits to `object`: the
+  /// list of the program, made narrower by the list of the lab file that holds for the object.
+  /// Without a list of the program, returns a list that names nobody. @pre `object` is not the
+  /// broker
+  AllowList named_by_program(std::string_view object) const;
   /// Returns whether `who` may end the status of other users. The user of the server may do so on
   /// the server's host, and the users in [admin] of the lab file may do so.
   bool administers(const UserAtHost& server, const UserAtHost& who) const;

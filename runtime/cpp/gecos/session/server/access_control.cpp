@@ -79,6 +79,11 @@ void AccessControl::allow(std::vector<std::string> users, std::vector<std::strin
                                       "Server::allow in the program of the server"};
 }
 
+access::AllowList AccessControl::named_by_program(const std::string& object) {
+  const MutexLock lock(mutex_);
+  return policy().named_by_program(object);
+}
+
 std::string AccessControl::name_of(std::uint32_t uid) {
   {
     const MutexLock lock(mutex_);
@@ -131,9 +136,8 @@ AccessControl::Judgement AccessControl::judge_visitor(const std::string& object,
                                                       const access::UserAtHost& who,
                                                       std::string refusal) {
   const Judgement refused{false, false, who, std::move(refusal)};
-  if (!visitors_ || object != access::broker_object || policy_.lab.objects.contains(object)) {
-    return refused;
-  }
+  const bool has_list = policy_.program || policy_.lab.objects.contains(object);
+  if (!visitors_ || object != access::broker_object || has_list) return refused;
   // A list counts only as long as the user of its server may connect without a list: else users
   // whom the lab file drops would admit each other.
   const auto shown = visitors_->book.object_of(who, [&](const access::ServerLife& one) {

@@ -47,7 +47,13 @@ class AccessControl {
   /// Admits these users and hosts. They replace the users and hosts of an earlier call.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts);
 
-  /// From now on receives at BROKER the visitors in this book, too.
+  /// Returns whom the program names and the lab file, as it was read last, admits to `object`, too
+  /// (AccessPolicy::named_by_program). Does not wait.
+  access::AllowList named_by_program(const std::string& object);
+
+  /// From now on receives at BROKER the visitors in this book, too. There are none while the lab
+  /// file has a list for BROKER, or the program of the broker a list of its own: such a list names
+  /// all who may connect.
   void receive(std::shared_ptr<const Visitors> visitors);
 
   /// The decision whether a client may connect to an object, and the rule that led to it.

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "gecos/access/visitors.hpp"
 #include "gecos/base/log.hpp"
 #include "gecos/base/pid_namespace.hpp"
 #include "gecos/base/thread.hpp"
@@ -50,8 +51,9 @@ std::uint64_t next_number() {
 
 }  // namespace
 
-Registrar::Registrar(std::shared_ptr<Context> lab, std::shared_ptr<BrokerContact> contact)
-    : lab_(std::move(lab)), contact_(std::move(contact)) {
+Registrar::Registrar(std::shared_ptr<Context> lab, std::shared_ptr<BrokerContact> contact,
+                     std::shared_ptr<AccessControl> access)
+    : lab_(std::move(lab)), contact_(std::move(contact)), access_(std::move(access)) {
   thread_ = start_thread("gecos-registrar", [this] { run(); });
 }
 
@@ -173,19 +175,28 @@ void Registrar::look() {
   contact_->on_tick(broker);
 }
 
-void Registrar::admit(std::vector<std::string> users, std::vector<std::string> hosts) {
+void Registrar::renew_lists() {
   const MutexLock lock(mutex_);
-  users_ = std::move(users);
-  hosts_ = std::move(hosts);
   bool any = false;
   for (auto& one : registrations_) any = renew(one) || any;
   if (any) ask_soon();
 }
 
 bool Registrar::renew(Registration& registration) const {
+  const std::string& name = registration.entry.name;
+  access::AllowList now = access_->named_by_program(name);
+  const bool too_many = std::max(now.users.size(), now.hosts.size()) > access::most_admitted_names;
+  for (auto* const names : {&now.users, &now.hosts}) {
+    names->resize(std::min(names->size(), access::most_admitted_names));
+  }
   AdmittedNames& told = registration.admitted;
-  if (told.number != 0 && told.users == users_ && told.hosts == hosts_) return false;
-  told = {next_number(), users_, hosts_};
+  if (told.number != 0 && told.users == now.users && told.hosts == now.hosts) return false;
+  told = {next_number(), std::move(now.users), std::move(now.hosts)};
+  if (too_many) {
+    log_warning("session", name +
+                               " admits more users or hosts than the broker can be told: it is " +
+                               "told the first 256 of the lab file");
+  }
   return true;
 }
 

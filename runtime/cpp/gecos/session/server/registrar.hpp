@@ -10,6 +10,7 @@
 #include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/context.hpp"
+#include "gecos/session/server/access_control.hpp"
 #include "gecos/session/server/broker_contact.hpp"
 
 namespace gecos::session {
@@ -22,7 +23,9 @@ class ObjectHost;
 /// pause of this process.
 class Registrar {
  public:
-  Registrar(std::shared_ptr<Context> lab, std::shared_ptr<BrokerContact> contact);
+  /// `access` says whom the broker is told that this server admits.
+  Registrar(std::shared_ptr<Context> lab, std::shared_ptr<BrokerContact> contact,
+            std::shared_ptr<AccessControl> access);
   ~Registrar() { end(); }
 
   /// Waits until a broker answers, because the broker may still be starting. On failure returns a
@@ -35,8 +38,9 @@ class Registrar {
   /// Asks the broker whom the laboratory has revoked, if it is time. Starts the search for a new
   /// broker if the broker was lost. Never blocks.
   void look();
-  /// Tells the broker, now and with each registration, whom the program of this server admits.
-  void admit(std::vector<std::string> users, std::vector<std::string> hosts);
+  /// Must be called when the list of the program or the lab file has changed. If an object admits
+  /// others now, tells the broker soon.
+  void renew_lists();
   /// Makes the thread of the registrar ask the broker again whether it confirms the names of all
   /// objects.
   void ask_again();
@@ -47,8 +51,8 @@ class Registrar {
   struct Registration {
     Entry entry;
     std::shared_ptr<ObjectHost> object;
-    TimePoint since{};  ///< when the object was first registered, by CLOCK_BOOTTIME
-    AdmittedNames admitted{};   ///< as the broker is told with each registration
+    TimePoint since{};         ///< when the object was first registered, by CLOCK_BOOTTIME
+    AdmittedNames admitted{};  ///< as the broker is told with each registration
   };
   using Broker = std::shared_ptr<ClientConnection>;
 
@@ -63,8 +67,8 @@ class Registrar {
   /// final.
   Duration ask(const std::vector<Registration>& registrations);
   Answers ask_broker(const std::vector<Registration>& registrations, TimePoint deadline);
-  /// Gives `registration` the names that are admitted now. Gives them a new number and returns true
-  /// if they differ from those that it had.
+  /// Gives `registration` the names that the object admits now, at most as many as the broker
+  /// takes. Gives them a new number and returns true if they differ from those that it had.
   bool renew(Registration& registration) const GECOS_REQUIRES(mutex_);
   tl::expected<Broker, std::string> find_broker(TimePoint deadline);
   void ask_soon() GECOS_REQUIRES(mutex_);
@@ -83,12 +87,11 @@ class Registrar {
 
   const std::shared_ptr<Context> lab_;
   const std::shared_ptr<BrokerContact> contact_;
+  const std::shared_ptr<AccessControl> access_;
   Mutex mutex_;
   ConditionVariable changed_;  ///< `thread_` and `rest` wait on it, so notify it with notify_all
                                ///< only
   std::vector<Registration> registrations_ GECOS_GUARDED_BY(mutex_);
-  std::vector<std::string> users_ GECOS_GUARDED_BY(mutex_);  ///< of the last `admit`
-  std::vector<std::string> hosts_ GECOS_GUARDED_BY(mutex_);
   Broker broker_ GECOS_GUARDED_BY(mutex_);  ///< the broker with which the objects are registered
   /// The address of the first broker; later brokers are expected at the same address.
   std::string place_ GECOS_GUARDED_BY(mutex_);

@@ -65,7 +65,7 @@ class Server::Core {
         audit_(std::make_shared<audit::Audit>(audit::Journal(audit::default_folder()))),
         connections_(std::make_shared<session::ConnectionAudit>(audit_)),
         io_(lab_->runtime(), access_),
-        registrar_(lab_, contact_),
+        registrar_(lab_, contact_, access_),
         zones_(lab_->runtime()),
         upkeep_(std::make_shared<Upkeep>(*this)) {
     session::TerminationSignals::prepare();
@@ -102,8 +102,9 @@ class Server::Core {
   session::UserRights rights() const;
   /// Says on stderr and in the audit that every user of every host may connect to an object.
   void announce_insecure(const std::string& name) const;
-  /// Moves objects to the zones in which an edit of the lab file has placed them. An object leaves
-  /// all zones only when it is served anew.
+  /// Moves objects to the zones in which an edit of the lab file has placed them, and tells the
+  /// broker whom the objects admit since the edit. An object leaves all zones only when it is
+  /// served anew.
   void follow_lab_file(TimePoint now) GECOS_REQUIRES(mutex_);
 
   const pid_t owner_ = getpid();
@@ -120,7 +121,7 @@ class Server::Core {
   session::Registrar registrar_;
   session::ZoneWatches zones_ GECOS_GUARDED_BY(mutex_);
   TimePoint next_look_ GECOS_GUARDED_BY(mutex_){};  ///< when the lab file is to be read again
-  /// The lists of the lab file whose zones the objects are in.
+  /// The lists of the lab file that `follow_lab_file` has applied last.
   std::shared_ptr<const access::LabAccess> followed_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<Upkeep> upkeep_;
 };
@@ -163,6 +164,7 @@ void Server::Core::follow_lab_file(TimePoint now) {
   const auto lists = access_->lists();
   if (lists == std::exchange(followed_, lists)) return;
   try {
+    registrar_.renew_lists();
     for (const auto& object : objects_) {
       const std::string zone = access_->zone_of(object->name());
       if (zone.empty() || zone == object->presence().zone()) continue;
@@ -332,8 +334,8 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
 }
 
 void Server::Core::allow(std::vector<std::string> users, std::vector<std::string> hosts) {
-  access_->allow(users, hosts);
-  registrar_.admit(std::move(users), std::move(hosts));
+  access_->allow(std::move(users), std::move(hosts));
+  registrar_.renew_lists();
 }
 
 void Server::Core::run() {
