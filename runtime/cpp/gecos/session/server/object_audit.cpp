@@ -1,5 +1,6 @@
 #include "gecos/session/server/object_audit.hpp"
 
+#include <limits>
 #include <utility>
 
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
@@ -106,6 +107,24 @@ void ObjectAudit::command(const ServerSession& session, std::uint64_t counter, F
 void ObjectAudit::refused(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                           std::string_view operation, const Failure& failure) {
   if (audit_) command(session, counter, code, operation, failure.detail, failure.text);
+}
+
+void ObjectAudit::visitor_refused(const ServerSession& session, std::uint64_t counter,
+                                  std::string_view operation, const Failure& failure,
+                                  const std::string& because) {
+  constexpr std::uint64_t any_operation = std::numeric_limits<std::uint64_t>::max();  // no code
+  const audit::Repeats::Key key{number(session.id()), any_operation,
+                                static_cast<std::uint8_t>(failure.detail)};
+  if (!audit_ || repeats_.count(key, counter)) return;
+  audit::Line entry = line("command", session.caller(), counter);
+  entry.outcome = to_string(failure.detail);
+  audit::Line further = entry;
+  entry.operation = operation;
+  entry.why = failure.text;
+  further.operation = "several operations";
+  further.why = because;
+  repeats_.begin(key, further);
+  audit_->add(std::move(entry));
 }
 
 void ObjectAudit::begins(const ServerCall& call) {

@@ -42,6 +42,13 @@ class ObjectAudit {
   /// Records a call, or the opening of a stream, that was refused before it was queued.
   void refused(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                std::string_view operation, const Failure& failure);
+  /// Records a call that was refused because its client is a visitor (access/visitors.hpp).
+  /// Such calls of one session within a second share a line, whatever their operations: a visitor
+  /// can invent codes of operations without end. `because`: the part of the text of `failure` that
+  /// is the same for each of these calls.
+  void visitor_refused(const ServerSession& session, std::uint64_t counter,
+                       std::string_view operation, const Failure& failure,
+                       const std::string& because);
   /// Records that the handler of a command begins, if the command may take long.
   void begins(const ServerCall& call);
   void ended(const ServerCall& call, Detail detail, const std::string& text);

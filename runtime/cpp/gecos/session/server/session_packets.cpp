@@ -298,7 +298,7 @@ void SessionPackets::refuse_late(ServerSession& session, const wire::PacketView&
 void SessionPackets::take_call(const Session& session, const wire::PacketView& packet, Age age) {
   const std::uint64_t counter = packet.header.counter;
   const FunctionCode code = packet.header.code;
-  if (refuse_visitor(setup_, *session, packet)) return;
+  if (refuse_visitor(setup_, calls_.statistics(), *session, packet)) return;
   if (packet.header.flags == sent_again) return take_again(session, packet, age);
   if (is_builtin(code)) {
     if (log_enabled(LogLevel::Debug)) {

@@ -33,30 +33,34 @@ bool may_visit(const ObjectSetup& setup, const wire::PacketView& packet, Functio
          code == BuiltIn::model.code || code == BuiltIn::unsubscribe.code;
 }
 
-std::string name_of(const ObjectSetup& setup, FunctionCode code) {
-  const auto* const found =
-      is_builtin(code) ? GecosObjectInterface::description.find(code) : setup.interface.find(code);
-  return found == nullptr ? "operation " + std::to_string(number(code)) : std::string(found->name);
+/// Returns the operation of the object, or the built-in one, that has this code; null if none has.
+const OperationDescription* operation_of(const ObjectSetup& setup, FunctionCode code) {
+  return is_builtin(code) ? GecosObjectInterface::description.find(code)
+                          : setup.interface.find(code);
 }
 
 }  // namespace
 
-bool refuse_visitor(const ObjectSetup& setup, ServerSession& session,
+bool refuse_visitor(const ObjectSetup& setup, CallStatistics& statistics, ServerSession& session,
                     const wire::PacketView& packet) {
   const access::UserAtHost* const who = session.visit.visitor();
   const FunctionCode code = packet.header.code;
   if (who == nullptr || may_visit(setup, packet, code)) return false;
   const std::uint64_t counter = packet.header.counter;
-  const std::string name = name_of(setup, code);
+  const OperationDescription* const operation = operation_of(setup, code);
+  const std::string name(operation == nullptr ? "unknown operation" : operation->name);
+  const std::string because = "user " + who->user + " of host " + who->host +
+                              " is a visitor here, who may only look for the objects whose "
+                              "programs admit this user; name the user below [allow] in the lab "
+                              "file of " +
+                              setup.name;
   const Failure refused{Detail::Denied,
-                        "'" + name + "' of " + setup.name + " was not started: user " + who->user +
-                            " of host " + who->host +
-                            " is a visitor here, who may only look for the objects whose programs "
-                            "admit this user; name the user below [allow] in the lab file of " +
-                            setup.name + named_request(session.id(), counter),
+                        "'" + name + "' of " + setup.name + " was not started: " + because +
+                            named_request(session.id(), counter),
                         {},
                         {}};
-  setup.audit->refused(session, counter, code, name, refused);
+  setup.audit->visitor_refused(session, counter, name, refused, because);
+  statistics.refused(session, is_builtin(code) ? nullptr : operation, refused.detail);
   session.reply(counter, refused);
   return true;
 }

@@ -1,0 +1,104 @@
+// What an object does with the calls and sessions of visitors, packet by packet.
+#include "gecos/session/server/visitor_calls.hpp"
+
+#include <fstream>
+
+#include "../media/scratch_directory.hpp"
+#include "gecos/binding.hpp"
+#include "object_host_bench.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// An object of which visitors may only use 'look'.
+class VisitorCalls : public ServedObjects {
+ protected:
+  VisitorCalls() {
+    const auto visitors = std::make_shared<Visitors>();
+    visitors->open = {probe::look_code};
+    ObjectOptions options;
+    options.visitors = visitors;
+    UserRights rights;
+    rights.visitor = [this](const auto&, const auto&) { return user_; };
+    object_->close();
+    object_->join();
+    object_ = std::make_shared<ObjectHost>(runtime_, "PROBE", servant_, options, audit_, rights);
+    connect();
+  }
+  /// Ends the object. Returns the lines of its audit that tell of commands.
+  std::vector<std::string> commands_in_audit() {
+    object_->close();
+    audit_->end();
+    std::ifstream file(folder_.path() + "/audit.jsonl");
+    std::vector<std::string> found;
+    for (std::string line; std::getline(file, line);) {
+      if (line.find("\"event\":\"command\"") != std::string::npos) found.push_back(line);
+    }
+    return found;
+  }
+  ObjectStats stats() {
+    user_.reset();
+    connect();
+    call(1, GecosObjectInterface::stats.code);
+    const auto reply = wire::decode_packet(connection_->sent.back());
+    const auto stats = layout::from_bytes<GecosObject_stats_result>(reply->body);
+    EXPECT_TRUE(stats);
+    return stats ? stats->result : ObjectStats{};
+  }
+
+  const media::ScratchDirectory folder_;
+  const std::shared_ptr<audit::Audit> audit_ =
+      std::make_shared<audit::Audit>(audit::Journal(folder_.path()));
+  std::optional<access::UserAtHost> user_ = access::UserAtHost{"ada", "desk"};  ///< no value: none
+};
+
+std::uint64_t denied_in(const std::vector<OutcomeCount>& outcomes) {
+  for (const auto& [detail, calls] : outcomes) {
+    if (detail == static_cast<std::uint8_t>(Detail::Denied)) return calls;
+  }
+  return 0;
+}
+
+TEST_F(VisitorCalls, ThatInventOperationsShareALineOfTheAudit) {
+  for (std::uint32_t i = 1; i <= 100; ++i) {
+    call(i, FunctionCode{0x10000000u + i});
+    ASSERT_EQ(reply_to(i), Detail::Denied);
+  }
+  const auto lines = commands_in_audit();
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_NE(lines[0].find("\"operation\":\"unknown operation\""), std::string::npos) << lines[0];
+  EXPECT_NE(lines[1].find("\"count\":99"), std::string::npos) << lines[1];
+}
+
+TEST_F(VisitorCalls, OfAllOperationsAndSessionsDoNotFillTheAudit) {
+  std::vector<FunctionCode> codes{probe::read_code};
+  for (const auto* operation : GecosObjectInterface::description.all_operations()) {
+    codes.push_back(operation->code);
+  }
+  constexpr std::size_t sessions = 6;
+  for (std::size_t i = 0; i < sessions; ++i) {
+    for (std::uint64_t counter = 1; counter <= 3 * codes.size(); ++counter) {
+      call(counter, codes[counter % codes.size()]);
+    }
+    connect();
+  }
+  const auto lines = commands_in_audit();
+  EXPECT_EQ(lines.size(), 2 * sessions) << "one in full and one with a count";
+  EXPECT_NE(lines.back().find("\"operation\":\"several operations\""), std::string::npos);
+}
+
+TEST_F(VisitorCalls, ThatAreRefusedAreCounted) {
+  for (std::uint64_t i = 1; i <= 3; ++i) call(i, probe::read_code);
+  call(4, FunctionCode{0x10000001});
+  call(5, GecosObjectInterface::stop.code);
+  const auto visitor = session_;
+  const ObjectStats counted = stats();
+  const auto read = std::ranges::find(counted.operations, "read", &OperationStats::operation);
+  ASSERT_NE(read, counted.operations.end());
+  EXPECT_EQ(denied_in(read->ended), 3u);
+  ASSERT_EQ(counted.sessions.size(), 2u);
+  EXPECT_EQ(denied_in(counted.sessions[0].ended), 5u);
+}
+
+}  // namespace
+}  // namespace gecos::session
