@@ -95,6 +95,40 @@ TEST(ObjectQueue, RunsOneHandlerAtATimeForAServantThatIsNotThreadSafe) {
   EXPECT_EQ(queue.next(), move);
 }
 
+TEST(ObjectQueue, LeavesThreeQuartersOfItsRoomToThoseWhoAreNoVisitors) {
+  ObjectQueue queue(LaneThreads::Many);
+  const auto of_visitor = [](std::uint64_t client, std::size_t bytes = 0) {
+    auto made = std::make_shared<QueueEntry>(SessionId{client}, reads, bytes);
+    made->of_visitor = true;
+    return made;
+  };
+  for (std::uint64_t i = 0; i < ObjectQueue::most_of_visitors; ++i) {
+    ASSERT_TRUE(queue.push(of_visitor(10 + i % 4)));
+  }
+  const auto full = queue.push(of_visitor(20));
+  ASSERT_FALSE(full);
+  EXPECT_EQ(full.error(), ObjectQueue::Full::Visitors);
+  EXPECT_EQ(text_of(full.error(), 0),
+            "64 calls of visitors are queued already; wait until one of them has ended");
+  EXPECT_TRUE(queue.push(entry(reads)));
+  EXPECT_TRUE(queue.push(entry(moves, bob)));
+}
+
+TEST(ObjectQueue, LeavesThreeQuartersOfItsBytesToThoseWhoAreNoVisitors) {
+  ObjectQueue queue(LaneThreads::Many);
+  constexpr std::size_t half = ObjectQueue::most_bytes_of_visitors / 2 + 1;
+  const auto of_visitor = [&](SessionId client) {
+    auto made = std::make_shared<QueueEntry>(client, reads, half);
+    made->of_visitor = true;
+    return made;
+  };
+  ASSERT_TRUE(queue.push(of_visitor(ada)));
+  const auto full = queue.push(of_visitor(bob));
+  ASSERT_FALSE(full);
+  EXPECT_EQ(full.error(), ObjectQueue::Full::BytesOfVisitors);
+  EXPECT_TRUE(queue.push(std::make_shared<QueueEntry>(bob, reads, half)));
+}
+
 TEST(ObjectQueue, PutsSafetyBeforeEverything) {
   OperationDescription halts = operation(access::Status::Sensor);
   halts.safety = true;

@@ -100,5 +100,81 @@ TEST_F(VisitorCalls, ThatAreRefusedAreCounted) {
   EXPECT_EQ(denied_in(counted.sessions[0].ended), 5u);
 }
 
+TEST_F(VisitorCalls, TakeAQuarterOfTheQueueAtMost) {
+  const auto send = [this](std::uint64_t counter) {  // starts no call
+    Bytes bytes;
+    write_packet(bytes, header_of(wire::PacketKind::Call, counter, probe::look_code), {});
+    object_->take(session_, bytes);
+  };
+  const auto first = connect();
+  user_.reset();
+  auto* const of_second = connection_;
+  const auto second = connect();
+  auto* const of_other = connection_;
+  const auto other = session_;
+  session_ = first;
+  for (std::uint64_t i = 1; i <= 40; ++i) send(i);
+  session_ = second;
+  connection_ = of_second;
+  for (std::uint64_t i = 1; i <= 24; ++i) send(i);
+  EXPECT_EQ(reply_to(24), std::nullopt) << "it waits";
+  send(25);
+  EXPECT_EQ(reply_to(25), Detail::QueueFull);
+  EXPECT_EQ(failure(),
+            "'look' of PROBE was not queued: 64 calls of visitors are queued already; wait until "
+            "one of them has ended");
+  session_ = other;
+  connection_ = of_other;
+  call(1, probe::look_code);
+  EXPECT_EQ(reply_to(1), Detail::Done) << "no visitor";
+}
+
+class SessionsOfVisitors : public VisitorCalls {
+ protected:
+  /// Connects until the user has as many sessions as a visitor may have, and returns them.
+  std::vector<std::shared_ptr<ServerSession>> connect_all() {
+    std::vector<std::shared_ptr<ServerSession>> open{session_};
+    while (open.size() < most_sessions_of_visitor) {
+      connect();
+      EXPECT_TRUE(session_->greeted());
+      open.push_back(session_);
+    }
+    return open;
+  }
+  std::string refusal() const {
+    const auto packet = wire::decode_packet(connection_->sent.back());
+    return packet->header.kind == wire::PacketKind::Refused ? failure() : "";
+  }
+};
+
+TEST_F(SessionsOfVisitors, AreEightOfOneUserAtATime) {
+  const auto open = connect_all();
+  connect();
+  EXPECT_FALSE(session_->greeted());
+  EXPECT_EQ(refusal(),
+            "PROBE opens no session: user ada of host desk is a visitor here and has 8 sessions "
+            "already, the most at a time; end a program of this user");
+  object_->depart(open[3], ObjectHost::Departure::Lost);
+  connect();
+  EXPECT_TRUE(session_->greeted()) << "one has ended";
+}
+
+TEST_F(SessionsOfVisitors, DoNotLimitThoseOfOthers) {
+  auto open = connect_all();
+  user_ = access::UserAtHost{"ben", "desk"};
+  open.push_back(connect());
+  EXPECT_TRUE(session_->greeted()) << "another visitor";
+  user_.reset();
+  open.push_back(connect());
+  EXPECT_TRUE(session_->greeted()) << "no visitor";
+}
+
+TEST_F(SessionsOfVisitors, CountNoMoreWhenTheLabFileNamesTheUser) {
+  const auto open = connect_all();
+  open[0]->visit.widen();
+  connect();
+  EXPECT_TRUE(session_->greeted());
+}
+
 }  // namespace
 }  // namespace gecos::session

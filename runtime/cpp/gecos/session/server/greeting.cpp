@@ -9,6 +9,7 @@
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/handler_waits.hpp"
+#include "gecos/session/server/visitor_calls.hpp"
 
 namespace gecos::session {
 namespace {
@@ -22,7 +23,8 @@ SessionId new_session_id() {
 }
 
 void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
-          const ObjectSetup& setup, OutcomeLog& outcomes, TimePoint now) {
+          const ObjectSetup& setup, OutcomeLog& outcomes, TimePoint now,
+          std::optional<access::UserAtHost> visitor) {
   const media::Peer& peer = session->connection().peer();
   const SessionId id = new_session_id();
   Caller caller;
@@ -33,7 +35,7 @@ void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
   caller.pid = peer.pid.value_or(hello.pid);
   caller.incarnation = hello.incarnation;
   caller.session = number(id);
-  session->visit.open(setup.rights.visitor(setup.name, peer));
+  session->visit.open(std::move(visitor));
   session->greet(id, std::move(caller));
   session->intake.accept_within(hello.accept_within);
   session->heartbeats.liveness.heard(now);
@@ -96,7 +98,12 @@ void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView
     return refuse(*session, setup.name + " is a " + std::string(setup.interface.name) + ", not a " +
                                 hello->interface_name);
   }
-  if (!session->greeted()) open(session, *hello, setup, outcomes, at.now);
+  if (!session->greeted()) {
+    auto visitor = setup.rights.visitor(setup.name, session->connection().peer());
+    const auto why = visitor ? refusal_to_visit(setup, outcomes.all_open(), *visitor) : "";
+    if (!why.empty()) return refuse(*session, why);
+    open(session, *hello, setup, outcomes, at.now, std::move(visitor));
+  }
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Welcome;
   session->send(header,

@@ -31,10 +31,14 @@ std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
       return calls(ObjectQueue::most_of_object, "all clients");
     case ObjectQueue::Full::Client:
       return calls(ObjectQueue::most_of_client, "this client");
+    case ObjectQueue::Full::Visitors:
+      return calls(ObjectQueue::most_of_visitors, "visitors");
     case ObjectQueue::Full::BytesOfObject:
       return room(ObjectQueue::most_bytes_of_object, "all clients'");
     case ObjectQueue::Full::BytesOfClient:
       return room(ObjectQueue::most_bytes_of_client, "this client's");
+    case ObjectQueue::Full::BytesOfVisitors:
+      return room(ObjectQueue::most_bytes_of_visitors, "all visitors'");
   }
   return {};
 }
@@ -45,14 +49,11 @@ tl::expected<std::size_t, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<Q
   const std::size_t waiting = safety_.size() + sensor_.size() + commands;
   if (waiting != 0 && !entry->operation.safety) {
     if (waiting >= most_of_object) return tl::unexpected(Full::Object);
-    std::ptrdiff_t of_client = 0;
-    for (const Lane* lane : {&sensor_, &actor_}) {
-      if (lane == &actor_ && commands == 0) continue;
-      of_client += std::count_if(lane->begin(), lane->end(),
-                                 [&](const auto& other) { return other->client == entry->client; });
-    }
-    if (of_client >= static_cast<std::ptrdiff_t>(most_of_client)) {
-      return tl::unexpected(Full::Client);
+    const auto same_client = [&](const QueueEntry& one) { return one.client == entry->client; };
+    if (count_waiting(*entry, same_client) >= most_of_client) return tl::unexpected(Full::Client);
+    const auto visits = [](const QueueEntry& one) { return one.of_visitor; };
+    if (entry->of_visitor && count_waiting(*entry, visits) >= most_of_visitors) {
+      return tl::unexpected(Full::Visitors);
     }
   }
   if (entry->bytes >= small) {
@@ -70,15 +71,30 @@ tl::expected<std::size_t, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<Q
   return commands_before;
 }
 
+std::size_t ObjectQueue::count_waiting(const QueueEntry& entry,
+                                       FunctionRef<bool(const QueueEntry&)> which) const {
+  std::ptrdiff_t count = 0;
+  for (const Lane* lane : {&sensor_, &actor_}) {
+    if (lane == &actor_ && replaces(entry)) continue;
+    count += std::ranges::count_if(*lane, [&](const auto& other) { return which(*other); });
+  }
+  return static_cast<std::size_t>(count);
+}
+
 std::optional<ObjectQueue::Full> ObjectQueue::too_large(const QueueEntry& entry) const {
   std::size_t of_object = 0;
   std::size_t of_client = 0;
+  std::size_t of_visitors = 0;
   for (const QueueEntry* const other : large_) {
     if (replaces(entry) && other->lane == CallLane::Actor) continue;
     of_object += other->bytes;
     if (other->client == entry.client) of_client += other->bytes;
+    if (entry.of_visitor && other->of_visitor) of_visitors += other->bytes;
   }
   if (of_client != 0 && of_client + entry.bytes > most_bytes_of_client) return Full::BytesOfClient;
+  if (of_visitors != 0 && of_visitors + entry.bytes > most_bytes_of_visitors) {
+    return Full::BytesOfVisitors;
+  }
   if (of_object != 0 && of_object + entry.bytes > most_bytes_of_object) return Full::BytesOfObject;
   return std::nullopt;
 }

@@ -27,7 +27,8 @@ struct QueueEntry {
   const std::size_t bytes;  ///< size of the arguments
 
   CallLane lane = CallLane::None;
-  bool lets_next = false;  ///< its handler has let the next command with @on_new("blend") start
+  bool of_visitor = false;  ///< the client is a visitor (access/visitors.hpp)
+  bool lets_next = false;   ///< its handler has let the next command with @on_new("blend") start
 };
 
 enum class LaneThreads : std::uint8_t {
@@ -44,16 +45,26 @@ class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;
   static constexpr std::size_t most_of_client = 64;
-  /// Limits in bytes for the arguments of all calls that have not ended, per client and per object.
-  /// When no other large call is open, a call of any size is accepted. Calls with fewer than
-  /// `small` bytes do not count; only their number is limited.
+  /// The calls of all visitors together. The rest of the queue is left to the other clients.
+  static constexpr std::size_t most_of_visitors = most_of_object / 4;
+  /// Limits in bytes for the arguments of all calls that have not ended, per client and per object,
+  /// and of all visitors together. When no other large call is open, a call of any size is
+  /// accepted. Calls with fewer than `small` bytes do not count; only their number is limited.
   static constexpr std::size_t most_bytes_of_client = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_object = 64 * 1024 * 1024;
+  static constexpr std::size_t most_bytes_of_visitors = most_bytes_of_object / 4;
   static constexpr std::size_t small = 4096;
 
   explicit ObjectQueue(LaneThreads threads) : threads_(threads) {}
 
-  enum class Full : std::uint8_t { Object, Client, BytesOfObject, BytesOfClient };
+  enum class Full : std::uint8_t {
+    Object,
+    Client,
+    Visitors,
+    BytesOfObject,
+    BytesOfClient,
+    BytesOfVisitors
+  };
   /// Queues `entry`. Returns the number of actor commands that were queued or running before. When
   /// a limit is reached, fails and returns which limit. A preempting command may use the room of
   /// the commands that it replaces. The caller must end these commands after `push`.
@@ -91,6 +102,10 @@ class ObjectQueue {
   bool keeps_place(const QueueEntry& entry) const;
   Lane::iterator next_command();
   std::shared_ptr<QueueEntry> start(Lane& lane, Lane::iterator at);
+  /// Returns how many calls that have not started `which` selects. Safety operations do not count,
+  /// nor do the actor commands that `entry` replaces.
+  std::size_t count_waiting(const QueueEntry& entry,
+                            FunctionRef<bool(const QueueEntry&)> which) const;
   std::optional<Full> too_large(const QueueEntry& entry) const;
   bool beside_running(const QueueEntry& entry) const;
 

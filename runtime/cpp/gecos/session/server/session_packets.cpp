@@ -371,6 +371,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
   }
   auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
                                         packet.header.epoch, packet.body);
+  call->of_visitor = session->visit.visitor() != nullptr;
   if (log_enabled(level_of(operation))) call->arrived = setup_.clock().now();
   if (packet.header.deadline > Duration{}) {
     call->state.set_deadline(expiry(packet.header.deadline, setup_.clock().since_boot()));

@@ -41,6 +41,19 @@ const OperationDescription* operation_of(const ObjectSetup& setup, FunctionCode 
 
 }  // namespace
 
+std::string refusal_to_visit(const ObjectSetup& setup,
+                             const std::vector<std::shared_ptr<ServerSession>>& sessions,
+                             const access::UserAtHost& who) {
+  const auto open = std::ranges::count_if(sessions, [&](const auto& session) {
+    const access::UserAtHost* const other = session->visit.visitor();
+    return other != nullptr && *other == who;
+  });
+  if (static_cast<std::size_t>(open) < most_sessions_of_visitor) return {};
+  return setup.name + " opens no session: user " + who.user + " of host " + who.host +
+         " is a visitor here and has " + std::to_string(most_sessions_of_visitor) +
+         " sessions already, the most at a time; end a program of this user";
+}
+
 bool refuse_visitor(const ObjectSetup& setup, CallStatistics& statistics, ServerSession& session,
                     const wire::PacketView& packet) {
   const access::UserAtHost* const who = session.visit.visitor();
