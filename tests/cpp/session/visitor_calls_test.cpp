@@ -176,5 +176,36 @@ TEST_F(SessionsOfVisitors, CountNoMoreWhenTheLabFileNamesTheUser) {
   EXPECT_TRUE(session_->greeted());
 }
 
+TEST_F(VisitorCalls, AreNotToldWhatOthersDo) {
+  const auto described = [this](std::uint64_t counter) {
+    call(counter, GecosObjectInterface::describe.code);
+    const auto reply = wire::decode_packet(connection_->sent.back());
+    const auto about = layout::from_bytes<GecosObject_describe_result>(reply->body);
+    EXPECT_TRUE(about);
+    return about ? about->result : Description{};
+  };
+  const auto visitor = user_;
+  user_.reset();
+  connect();
+  acquire(1);
+  const Epoch epoch = granted();
+  servant_.keep = true;
+  call(2, probe::set_code, Bytes(4), epoch);
+  call(3, probe::set_code, Bytes(4), epoch);
+  const Description full = described(4);
+  EXPECT_NE(full.epoch, 0u);
+  EXPECT_EQ(full.queued, 1u);
+  EXPECT_EQ(full.executing, "set");
+  EXPECT_EQ(full.handlers.size(), 1u);
+  user_ = visitor;
+  const auto busy = connect();
+  const Description shown = described(1);
+  EXPECT_EQ(shown.name, "PROBE");
+  EXPECT_EQ(shown.epoch, 0u);
+  EXPECT_EQ(shown.queued, 0u);
+  EXPECT_EQ(shown.executing, "");
+  EXPECT_TRUE(shown.handlers.empty());
+}
+
 }  // namespace
 }  // namespace gecos::session

@@ -79,13 +79,15 @@ void BuiltinOperations::describe(ServerSession& session, std::uint64_t counter) 
   if (setup_.rights.everybody_connects) {
     about.authentication += "; --insecure: every user of every host may connect";
   }
-  about.epoch = number(statuses_.leases().epoch());
-  about.queued = static_cast<std::uint32_t>(calls_.queue().waiting().size());
-  if (!calls_.queue().running().empty())
-    about.executing = calls_.queue().running().front()->operation.name;
   about.pid = getpid();
   about.registration = claim_.text();
-  about.handlers = calls_.handlers().shown(setup_.clock().since_boot());
+  if (session.visit.visitor() == nullptr) {  // a visitor does not learn what other clients do
+    about.epoch = number(statuses_.leases().epoch());
+    about.queued = static_cast<std::uint32_t>(calls_.queue().waiting().size());
+    if (!calls_.queue().running().empty())
+      about.executing = calls_.queue().running().front()->operation.name;
+    about.handlers = calls_.handlers().shown(setup_.clock().since_boot());
+  }
   session.reply(counter, layout::to_bytes(GecosObject_describe_result{std::move(about)}));
 }
 
