@@ -13,7 +13,7 @@
 
 namespace gecos {
 namespace session {
-struct Visitors;
+struct Visitors;  // gecos/binding.hpp; for the program of the broker
 }
 
 struct ObjectOptions {
@@ -26,7 +26,8 @@ struct ObjectOptions {
   std::vector<media::Kind> media{};
   bool well_known = false;  ///< clients find it at the host's well-known address, without a broker
   Duration patience = std::chrono::seconds(10);  ///< how long to wait for a broker that is starting
-  /// For the broker alone: the users who may only look for the objects that admit them. Null: none.
+  /// For the program of the broker; every other program leaves this null. The users who may only
+  /// look for the objects that admit them.
   std::shared_ptr<const session::Visitors> visitors{};
 };
 
@@ -75,11 +76,11 @@ class Server {
   /// user of this process on this host: for example `allow({"anna"})`. "*" admits every name. If
   /// the lab file also has a list for an object, both lists must admit a client. Applies to
   /// connections that are made after the call, and replaces the names of an earlier call. The
-  /// broker is told these names: it lets a user whom no list of its lab file admits look for the
-  /// objects of this server, and do nothing else. Throws std::invalid_argument if there are more
-  /// than 256 users or more than 256 hosts. Programs of another user of this host can connect only
-  /// if an administrator has prepared the host for this (docs/security.md). Does not lower the
-  /// status that an operation needs.
+  /// broker is told these names, as far as the lab file of this server admits them, too: it lets a
+  /// user whom no list of its own lab file admits look for the objects of this server, and do
+  /// nothing else. Throws std::invalid_argument if there are more than 256 users or more than 256
+  /// hosts. Programs of another user of this host can connect only if an administrator has prepared
+  /// the host for this (docs/security.md). Does not lower the status that an operation needs.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts = {});
   /// Waits until any thread of the process gets SIGINT or SIGTERM, or until `shut_down()`. Logs an
   /// error and returns at once when the server could not be made.

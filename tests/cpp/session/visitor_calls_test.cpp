@@ -87,6 +87,15 @@ TEST_F(VisitorCalls, OfAllOperationsAndSessionsDoNotFillTheAudit) {
   EXPECT_NE(lines.back().find("\"operation\":\"several operations\""), std::string::npos);
 }
 
+TEST_F(VisitorCalls, ThatAreRefusedSayWhichListWouldAllowThem) {
+  call(1, probe::read_code);
+  EXPECT_EQ(failure(),
+            "'read' of PROBE was not started: user ada of host desk is a visitor here, who may "
+            "only look for the objects whose programs admit this user; name the user in "
+            "[objects.PROBE.allow] of the lab file, beside all others who may use PROBE" +
+                named_request(session_->id(), 1));
+}
+
 TEST_F(VisitorCalls, ThatAreRefusedAreCounted) {
   for (std::uint64_t i = 1; i <= 3; ++i) call(i, probe::read_code);
   call(4, FunctionCode{0x10000001});

@@ -419,6 +419,19 @@ TEST_F(Visitors, ASessionThatBecomesThatOfAVisitorEndsAndItsObjectsLeaveTheList)
   EXPECT_EQ(tell(daemon, "look").find("list PROBE query PROBE "), 0u);
 }
 
+TEST_F(Visitors, AUserWhomTheLabFileDropsIsToldToConnectAgainAsAVisitor) {
+  place.write("[allow]\nusers = [\"daemon\"]\n");
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon"});
+  ASSERT_EQ(tell(daemon, "keep").find("list OTHER PROBE query"), 0u);
+  place.edit("");
+  const std::string ended = tell(daemon, "await the end");
+  EXPECT_NE(ended.find("revoked: the lab file no longer names user daemon of host " +
+                       gecos::host_name() + "; connect again as a visitor"),
+            std::string::npos)
+      << ended;
+}
+
 TEST_F(Visitors, AVisitorWhomTheLabFileNamesDoesEverythingInTheSameSession) {
   Laboratory laboratory;
   laboratory.server.allow({"daemon"});

@@ -315,9 +315,10 @@ bool IoLoop::end_revoked(TimePoint now) {
         access_->judge_again(session->object()->name(), session->connection().peer());
     // What a client has registered would stay if the client became a visitor in the same session.
     const bool narrowed = judgement.visitor && session->visit.is_full();
-    const std::string why =
-        narrowed ? "no list of the lab file names this user any more: " + judgement.text
-                 : judgement.text;
+    const std::string why = narrowed ? "the lab file no longer names user " + judgement.who.user +
+                                           " of host " + judgement.who.host +
+                                           "; connect again as a visitor"
+                                     : judgement.text;
     if (!judgement.admitted || narrowed) any = revoke(session, why) || any;
     if (judgement.admitted && !judgement.visitor && session->visit.visitor() != nullptr) {
       session->visit.widen();

@@ -62,11 +62,11 @@ bool refuse_visitor(const ObjectSetup& setup, CallStatistics& statistics, Server
   const std::uint64_t counter = packet.header.counter;
   const OperationDescription* const operation = operation_of(setup, code);
   const std::string name(operation == nullptr ? "unknown operation" : operation->name);
-  const std::string because = "user " + who->user + " of host " + who->host +
-                              " is a visitor here, who may only look for the objects whose "
-                              "programs admit this user; name the user below [allow] in the lab "
-                              "file of " +
-                              setup.name;
+  const std::string because =
+      "user " + who->user + " of host " + who->host +
+      " is a visitor here, who may only look for the objects whose "
+      "programs admit this user; name the user in [objects." +
+      setup.name + ".allow] of the lab file, beside all others who may use " + setup.name;
   const Failure refused{Detail::Denied,
                         "'" + name + "' of " + setup.name + " was not started: " + because +
                             named_request(session.id(), counter),

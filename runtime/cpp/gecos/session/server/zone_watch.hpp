@@ -30,8 +30,8 @@ class ZoneWatch {
 
  private:
   void run();
-  /// Tells the objects what the zone reports until the session with the zone ends.
-  void follow(StreamCore& reports);
+  /// Tells the objects what the samples of `presence` say until the session with the zone ends.
+  void follow(StreamCore& presence);
   void tell_unknown(const std::string& why);
   /// Calls `tell` for each object that still exists.
   template <class Tell>
