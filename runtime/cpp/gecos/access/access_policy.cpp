@@ -28,7 +28,6 @@ std::optional<AccessRule> admitted_without_list(const UserAtHost& server, const 
 std::vector<std::string> names_in_both(const std::vector<std::string>& one,
                                        const std::vector<std::string>& other) {
   if (names(one, std::string(everyone))) return other;
-  if (names(other, std::string(everyone))) return one;
   std::vector<std::string> both;
   std::ranges::copy_if(one, std::back_inserter(both),
                        [&](const auto& name) { return names(other, name); });

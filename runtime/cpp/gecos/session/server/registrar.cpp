@@ -189,9 +189,10 @@ bool Registrar::renew(Registration& registration) const {
   for (auto* const names : {&now.users, &now.hosts}) {
     names->resize(std::min(names->size(), access::most_admitted_names));
   }
-  AdmittedNames& told = registration.admitted;
-  if (told.number != 0 && told.users == now.users && told.hosts == now.hosts) return false;
-  told = {next_number(), std::move(now.users), std::move(now.hosts)};
+  AdmittedNames& admitted = registration.admitted;
+  if (admitted.number != 0 && admitted.users == now.users && admitted.hosts == now.hosts)
+    return false;
+  admitted = {next_number(), std::move(now.users), std::move(now.hosts)};
   if (too_many) {
     log_warning("session", name +
                                " admits more users or hosts than the broker can be told: it is " +
