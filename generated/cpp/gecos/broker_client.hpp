@@ -35,11 +35,14 @@ class Broker : public virtual gecos::Object {
   /// `settles_in` the
   /// name may go to an object that has been served for longer, so ask again. Absent: the
   /// name is the server's.
-  /// `admitted` says whom the program of the server admits. A user whom no list of the lab
-  /// file admits to the broker,
-  /// but these lists, is a visitor: he finds the objects that admit him, and may do nothing
-  /// else here. The lists count
-  /// as long as the server has the name, also while it is silent. Absent: nobody.
+  /// The broker replaces the user and the host name in `what` by those whom the kernel or a
+  /// key proves.
+  /// `admitted` says whom the program and the lab file of the server admit. A user whom
+  /// these lists alone admit is a
+  /// visitor, who finds the objects that admit this user and may do nothing else here. The
+  /// lists count as long as the
+  /// server has the name, or is silent and keeps it. Absent: an older server, which admits
+  /// no visitors.
   /// @param served_for [s]
   /// @param settles_in [s]
   /// May fail with gecos::NameTaken.
