@@ -37,7 +37,7 @@ def test_one_whom_a_program_admits_is_a_visitor_of_the_broker(build: Path) -> No
     )
     assert ran.returncode == 0, ran.stdout + ran.stderr
     assert "NOT TRIED" not in ran.stdout
-    assert "[  PASSED  ] 12 tests." in ran.stdout
+    assert "[  PASSED  ] 15 tests." in ran.stdout
 
 
 def test_gecos_ls_of_a_visitor_shows_what_programs_in_python_admit_the_user_to(
