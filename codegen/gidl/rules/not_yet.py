@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from gidl.diagnostics.findings import Findings
 from gidl.model import Attribute, Facts, File, Interface, Model, Operation, Struct, Union
+from gidl.model.bulk import octets_in_place
 from gidl.model.policy import Access, QualityClass
 
 CODE = "G0708"
@@ -78,7 +79,13 @@ NOT_YET = (
         _needs_status,
         "a call that needs actor status is not sent again in a new session",
     ),
-    Term("bulk", "", _always, "the value is copied, and not read in place from shared memory"),
+    Term(
+        "bulk",
+        "",
+        _always,
+        "the value is copied; only one sequence<octet> of the struct of a stream is written and "
+        "read in place",
+    ),
     Term("qos", "latency", _no_real_time, "the latency is checked only with a real-time class"),
     Term("qos", "lifespan", _is_call, "only the samples of a stream have a lifespan"),
     Term("qos", "liveliness", _is_call, "only the writer of a stream must show that it is alive"),
@@ -97,10 +104,24 @@ NOT_YET = (
 def check(model: Model, findings: Findings) -> None:
     """Warns about the terms of annotations, such as `deadline` of `@qos`, that have no effect yet.
     Looks at the files named on the command line, not at those that they include."""
+    in_place = _in_place(model)
     for file in model.files:
         if file.asked_for:
             for declared, name, facts in _annotated(file):
-                _one(declared, name, facts, findings)
+                if id(facts) not in in_place:
+                    _one(declared, name, facts, findings)
+
+
+def _in_place(model: Model) -> set[int]:
+    """Returns the ids of the facts of the members whose @bulk acts."""
+    streams = [
+        member.type
+        for interface in model.interfaces()
+        for member in interface.members
+        if isinstance(member, Attribute) and member.streams_out and not member.optional
+    ]
+    found = (octets_in_place(model, used) for used in streams)
+    return {id(member.facts) for member in found if member is not None}
 
 
 def _one(declared: Declared, name: str, facts: Facts, findings: Findings) -> None:

@@ -8,6 +8,8 @@
 #include <exception>
 #include <typeinfo>
 
+#include "gecos/wire/check.hpp"
+
 namespace gecos {
 namespace {
 
@@ -57,6 +59,19 @@ bool PublisherSlot::claim(std::shared_ptr<Publisher> publisher) {
   current_.store(owned_.get());
   return true;
 }
+
+tl::expected<LentMemory, std::string> Publisher::lend(const StreamDescription& stream,
+                                                      std::size_t size) {
+  return tl::unexpected(std::string(stream.name) + ": this publisher lends no " +
+                        std::to_string(size) + " bytes");
+}
+
+bool Publisher::publish_lent(const StreamDescription& /*stream*/, const LentMemory& /*memory*/,
+                             std::int64_t /*stamp_ns*/) {
+  return false;
+}
+
+void Publisher::give_back(const StreamDescription& /*stream*/, const LentMemory& /*memory*/) {}
 
 void PublisherSlot::release() {
   std::shared_ptr<Publisher> dropped;  // destroyed without the lock
@@ -188,6 +203,35 @@ void Servant::gecos_publish(const StreamDescription& outward, std::size_t size,
     gecos_publisher_.with(
         [&](session::Publisher& publisher) { publisher.publish(outward, sample, stamp_ns); });
   });
+}
+
+tl::expected<Loan, std::string> Servant::gecos_lend(const StreamDescription& outward,
+                                                    const LentSize& size,
+                                                    FunctionRef<void(wire::Encoder&)> encode) {
+  if (size.octets > size.most) {
+    return tl::unexpected(wire::over_bound(outward.name, size.octets, size.most, "octets"));
+  }
+  tl::expected<session::LentMemory, std::string> lent;
+  gecos_publisher_.with(
+      [&](session::Publisher& publisher) { lent = publisher.lend(outward, size.bytes); });
+  if (!lent) return tl::unexpected(std::move(lent.error()));
+  if (lent->bytes.empty()) return Loan();
+  wire::BulkPlace bulk{size.octets};
+  wire::Encoder to(lent->bytes);
+  to.leave_bulk(bulk);
+  encode(to);
+  const bool complete = to.written() == size.bytes;
+  Loan loan(gecos_publisher_, outward, *std::move(lent), bulk.octets);
+  if (complete) return loan;
+  return tl::unexpected(std::string(outward.name) +
+                        ": the @bulk member of the value has elements; leave it empty and write "
+                        "them into the loan");
+}
+
+Loan Servant::gecos_lent(std::string_view name, tl::expected<Loan, std::string> lent) {
+  if (lent) return *std::move(lent);
+  gecos_not_published(name, lent.error());
+  return {};
 }
 
 void Servant::gecos_not_published(std::string_view name, const std::string& why) {

@@ -17,6 +17,7 @@
 #include "gecos/command.hpp"
 #include "gecos/description.hpp"
 #include "gecos/inward.hpp"
+#include "gecos/loan.hpp"
 #include "gecos/wire/encoder.hpp"
 
 namespace gecos {
@@ -261,6 +262,15 @@ class Publisher {
   virtual ~Publisher() = default;
   /// `stamp_ns`: when the sample was measured, Unix time in ns, or `measured_now`.
   virtual void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) = 0;
+  /// Lends `size` bytes of memory for the next sample of the stream. Fails with the reason.
+  virtual tl::expected<LentMemory, std::string> lend(const StreamDescription& stream,
+                                                     std::size_t size);
+  /// Publishes the sample in `memory`, which lend() returned. Returns false if the stream was
+  /// closed meanwhile.
+  virtual bool publish_lent(const StreamDescription& stream, const LentMemory& memory,
+                            std::int64_t stamp_ns);
+  /// Must be called when `memory`, which lend() returned, will not be published.
+  virtual void give_back(const StreamDescription& stream, const LentMemory& memory);
   /// Returns the samples of an inward stream; null when the object has no such stream.
   virtual InwardCore* inward(const InwardDescription& stream) {
     static_cast<void>(stream);
@@ -372,6 +382,37 @@ class Servant {
     gecos_publish(
         outward, 4 + size, [&](wire::Encoder& to) { wire::put_block(to, value, size); }, stamp_ns);
   }
+  /// The size of a sample that is written in place, in bytes and in elements of its @bulk sequence.
+  struct LentSize {
+    std::size_t bytes = 0;   ///< of the whole encoded sample
+    std::size_t octets = 0;  ///< of the @bulk sequence
+    std::size_t most = 0;    ///< bound of the @bulk sequence
+  };
+  /// For generated skeletons and bindings: lends the memory of a sample. `encode` writes all
+  /// members, with put_bulk() for the @bulk sequence. Fails with the reason; returns an empty Loan
+  /// if no server serves the servant.
+  tl::expected<Loan, std::string> gecos_lend(const StreamDescription& outward,
+                                             const LentSize& size,
+                                             FunctionRef<void(wire::Encoder&)> encode);
+  /// For generated skeletons: lends the memory of a sample with the members of `value`, and with
+  /// `octets` octets in the @bulk sequence, which must be empty in `value`.
+  template <class T>
+  Loan gecos_lend(const StreamDescription& outward, std::string_view name, const T& value,
+                  std::size_t octets, std::size_t most) {
+    if (!gecos_may_publish(name, value)) return {};
+    return gecos_lent(name, gecos_lend(outward, {value.encoded_size() + octets, octets, most},
+                                       [&](wire::Encoder& to) { value.encode(to); }));
+  }
+  /// Like gecos_lend(), for a value that is encoded as a block.
+  template <class T>
+  Loan gecos_lend_block(const StreamDescription& outward, std::string_view name, const T& value,
+                        std::size_t octets, std::size_t most) {
+    if (!gecos_may_publish(name, value)) return {};
+    const std::size_t size = value.encoded_size() + octets;
+    return gecos_lent(name,
+                      gecos_lend(outward, {4 + size, octets, most},
+                                 [&](wire::Encoder& to) { wire::put_block(to, value, size); }));
+  }
   template <class T>
   bool gecos_may_publish(std::string_view name, const T& value) const {
     if (!gecos_attached()) return false;
@@ -383,6 +424,8 @@ class Servant {
   bool gecos_attached() const { return !gecos_publisher_.empty(); }
   /// Logs why a sample was not published. `name` is the stream's scoped name.
   static void gecos_not_published(std::string_view name, const std::string& why);
+  /// Logs why no memory was lent, and returns an empty Loan in this case.
+  static Loan gecos_lent(std::string_view name, tl::expected<Loan, std::string> lent);
 
   session::PublisherSlot gecos_publisher_;
 

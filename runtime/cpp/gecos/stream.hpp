@@ -5,6 +5,7 @@
 #include <iosfwd>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -33,6 +34,27 @@ struct Sample {
                      ///< host it is exact; between hosts it is too large by at most one round trip
 };
 
+/// One value of a stream that is read where its publisher wrote it, without a copy. Only the octets
+/// of the struct's @bulk sequence are read in place: `value` has all other members, and its @bulk
+/// sequence is empty. Over a medium without shared memory, the octets are in a private copy.
+///
+/// The memory stays readable as long as the sample or a copy of it exists, even after the end of
+/// the stream and of its Lab. A publisher never waits for its readers: after as many further
+/// samples as the `depth` of the stream, it overwrites the octets. Ask intact() after using them,
+/// and discard the results if it returns false.
+template <class T>
+struct SampleInPlace {
+  T value{};
+  std::span<const std::uint8_t> octets{};  ///< of the @bulk sequence; empty if T has none
+  std::uint64_t sequence = 0;              ///< the following members are as in Sample
+  std::uint64_t lost = 0;
+  double stamp = 0;
+  Duration age{};
+  media::LentSample memory{};  ///< owns the memory
+
+  bool intact() const { return memory.intact(); }
+};
+
 /// The reason for which Stream::next() returned no sample.
 enum class StreamEnd : std::uint8_t {
   Nothing,  ///< no valid sample arrived within the patience; the stream continues
@@ -53,6 +75,12 @@ struct RawSample : media::StreamSample {
   Duration age{};  ///< time from measuring to reading; never negative
 };
 
+/// A sample in the memory of its medium.
+struct RawLent : media::LentSample {
+  TimePoint measured{};  ///< as in RawSample
+  Duration age{};
+};
+
 /// A subscription without the type of its samples.
 class StreamCore {
  public:
@@ -63,6 +91,10 @@ class StreamCore {
   /// Waits for the next unread sample and stores it in `into`. After a loss of the stream, gives
   /// the samples that had arrived before the loss. After the Lab was closed, gives no sample.
   virtual tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) = 0;
+  /// As latest(), but lends the sample; returns it again if its number is `into.sequence`.
+  virtual bool lend_latest(RawLent& into) = 0;
+  /// As next(), but lends the sample. Reads only `into.sequence`.
+  virtual tl::expected<void, StreamEnd> lend_next(RawLent& into, TimePoint deadline) = 0;
   virtual bool lost() const = 0;
   /// Returns why the stream was lost; an empty text if the program closed its Lab, and while the
   /// stream is not lost.
@@ -101,7 +133,7 @@ class Stream {
   /// was silent for about `lease_ttl` + `grace`. Until then, only `age` shows that no new samples
   /// arrive.
   std::optional<Sample<T>> latest() {
-    if (!core_->latest(raw_)) return std::nullopt;
+    if (!(copied_ ? core_->latest(raw_) : copy_latest())) return std::nullopt;
     return decoded();
   }
   /// Returns the next unread sample and waits for it at most `patience`. A program that reads more
@@ -110,7 +142,24 @@ class Stream {
     const TimePoint deadline = deadline_after(patience);
     for (;;) {
       if (auto got = core_->next(raw_, deadline); !got) return tl::unexpected(got.error());
+      copied_ = true;
       if (auto sample = decoded()) return *std::move(sample);
+      if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
+    }
+  }
+  /// Returns the newest sample as latest() does, but without a copy of its @bulk sequence.
+  std::optional<SampleInPlace<T>> latest_in_place() {
+    session::RawLent lent = unread_lent();
+    if (!core_->lend_latest(lent)) return std::nullopt;
+    return decoded(lent);
+  }
+  /// Returns the next unread sample as next() does, but without a copy of its @bulk sequence.
+  tl::expected<SampleInPlace<T>, StreamEnd> next_in_place(Duration patience) {
+    const TimePoint deadline = deadline_after(patience);
+    for (;;) {
+      session::RawLent lent = unread_lent();
+      if (auto got = core_->lend_next(lent, deadline); !got) return tl::unexpected(got.error());
+      if (auto sample = decoded(lent)) return *std::move(sample);
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
   }
@@ -138,21 +187,69 @@ class Stream {
     wire::Decoder from(raw_.bytes);
     Sample<T> sample;
     if (!decode_(from, sample.value)) {
-      if (raw_.sequence != last_unreadable_) ++unreadable_;
-      last_unreadable_ = raw_.sequence;
+      note_unreadable(raw_.sequence);
       return std::nullopt;
     }
-    sample.sequence = raw_.sequence;
-    sample.lost = read_ && raw_.sequence > *read_ + 1 ? raw_.sequence - *read_ - 1 : 0;
-    read_ = raw_.sequence;
-    sample.stamp = static_cast<double>(raw_.stamp_ns) * 1e-9;
-    sample.age = raw_.age;
+    note_read(sample, raw_);
     return sample;
+  }
+
+  /// Returns a sample that has only the number of the sample that was read last.
+  session::RawLent unread_lent() const {
+    session::RawLent lent;
+    lent.sequence = raw_.sequence;
+    return lent;
+  }
+  /// As StreamCore::latest(), after samples were read in place: copies the newest one.
+  bool copy_latest() {
+    session::RawLent lent = unread_lent();
+    if (!core_->lend_latest(lent)) return false;
+    raw_.bytes.assign(lent.bytes.begin(), lent.bytes.end());
+    raw_.sequence = lent.sequence;
+    raw_.stamp_ns = lent.stamp_ns;
+    raw_.measured = lent.measured;
+    raw_.age = lent.age;
+    copied_ = lent.intact();
+    return copied_;
+  }
+  std::optional<SampleInPlace<T>> decoded(session::RawLent& lent) {
+    copied_ = copied_ && raw_.sequence == lent.sequence;
+    raw_.sequence = lent.sequence;
+    wire::Decoder from(lent.bytes);
+    std::optional<ByteView> octets;
+    from.keep_bulk(octets);
+    SampleInPlace<T> sample;
+    // A sample that its writer overwrote meanwhile may not decode, which is no fault of the server.
+    if (!decode_(from, sample.value)) {
+      if (lent.intact()) note_unreadable(lent.sequence);
+      return std::nullopt;
+    }
+    if (!lent.intact()) return std::nullopt;
+    note_read(sample, lent);
+    if (octets) {
+      const auto* const first = reinterpret_cast<const std::uint8_t*>(octets->data());
+      sample.octets = std::span(first, octets->size());
+    }
+    sample.memory = std::move(lent);
+    return sample;
+  }
+
+  void note_unreadable(std::uint64_t sequence) {
+    if (sequence != last_unreadable_) ++unreadable_;
+    last_unreadable_ = sequence;
+  }
+  void note_read(auto& sample, const auto& raw) {
+    sample.sequence = raw.sequence;
+    sample.lost = read_ && raw.sequence > *read_ + 1 ? raw.sequence - *read_ - 1 : 0;
+    read_ = raw.sequence;
+    sample.stamp = static_cast<double>(raw.stamp_ns) * 1e-9;
+    sample.age = raw.age;
   }
 
   std::shared_ptr<session::StreamCore> core_;
   Decode decode_;
   session::RawSample raw_;
+  bool copied_ = true;  ///< false if `raw_` has only the number of the sample that was read last
   std::optional<std::uint64_t> read_;  ///< sequence number of the last sample that was read
   std::uint64_t last_unreadable_ = 0;
   std::uint64_t unreadable_ = 0;

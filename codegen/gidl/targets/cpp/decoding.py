@@ -33,6 +33,9 @@ class Reading(Types):
     def decode(self, slot: Slot, source: str, local: Locals) -> list[str]:
         """Returns the lines of a boolean expression that decodes a value. The expression is false
         if decoding fails."""
+        if slot.bulk and isinstance(slot.node, SequenceNode):
+            bound, field = _bound(slot.node.bound), f'"{slot.label}"'
+            return [f"{source}.get_bulk({slot.expression}, {bound}, {field})"]
         return self._decode(slot.node, slot.expression, slot.label, source, local)
 
     def _decode(self, node: Node, x: str, label: str, source: str, local: Locals) -> list[str]:

@@ -27,6 +27,8 @@ from gidl.targets.cpp.type_text import PRIMITIVES, Slot, Types, is_bulk
 
 class Writing(Types):
     def encode(self, slot: Slot, to: str, local: Locals) -> list[str]:
+        if slot.bulk:
+            return [f"{to}.put_bulk({slot.expression});"]
         return self._encode(slot.node, slot.expression, to, local)
 
     def _encode(self, node: Node, x: str, to: str, local: Locals) -> list[str]:

@@ -150,6 +150,15 @@ class HandlerView:
 
 
 @dataclass(frozen=True, slots=True)
+class LendingView:
+    """A method of the skeleton that lends the memory of a stream's next sample."""
+
+    name: str
+    member: str  # the member of which the octets are written in place
+    most: str  # bound of its elements
+
+
+@dataclass(frozen=True, slots=True)
 class PublisherView:
     name: str
     doc: str
@@ -159,6 +168,7 @@ class PublisherView:
     constant: str  # constant that describes the stream: "GripperInterface::jaws_stream"
     checks: tuple[str, ...]
     writing: WritingView
+    lending: LendingView | None  # None: samples are not written in place
 
 
 @dataclass(frozen=True, slots=True)

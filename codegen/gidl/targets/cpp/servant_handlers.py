@@ -16,7 +16,9 @@ from gidl.layout.wire_nodes import (
 from gidl.model import (
     Attribute,
     Operation,
+    SequenceType,
 )
+from gidl.model.bulk import octets_in_place
 from gidl.targets.calls import (
     CallValue,
     attribute_value,
@@ -31,6 +33,7 @@ from gidl.targets.cpp.interface_views import (
     ArgumentView,
     HandlerView,
     InwardView,
+    LendingView,
     PublisherView,
     ReadingView,
     ResultView,
@@ -184,4 +187,16 @@ class ServerSide(CallFacts):
             self._constant(self._stream_constants[attribute.name]),
             tuple(self._lowering.check(slot, names.Locals({*taken, "size", "to"}), refused)),
             self._writing([slot], "size", "to", taken),
+            self._lending(attribute, used),
+        )
+
+    def _lending(self, attribute: Attribute, used: LocalNames) -> LendingView | None:
+        member = octets_in_place(self._model, attribute.type)
+        if member is None or attribute.optional:
+            return None
+        sequence = self._model.target(member.type)
+        assert isinstance(sequence, SequenceType)
+        most = "gecos::wire::npos" if sequence.bound is None else str(sequence.bound)
+        return LendingView(
+            used.fresh(f"lend_{attribute.name}"), names.member_name(member.name), most
         )

@@ -15,6 +15,7 @@ from gidl.model import (
     Operation,
     Struct,
 )
+from gidl.model.bulk import are_octets
 from gidl.targets.calls import result_struct
 from gidl.targets.cpp import names
 from gidl.targets.cpp.comments import doc_lines
@@ -123,7 +124,12 @@ class Structs(ValueNames):
     def _struct_codec(self, content: Content) -> CodecView:
         lowering = self._lowering
         slots = [
-            Slot(names.member_name(m.name), f"{content.owner}.{m.name}", field.node)
+            Slot(
+                names.member_name(m.name),
+                f"{content.owner}.{m.name}",
+                field.node,
+                m.bulk and are_octets(self._model, m),
+            )
             for m, field in zip(content.members, content.fields, strict=True)
         ]
         taken = {slot.expression for slot in slots}

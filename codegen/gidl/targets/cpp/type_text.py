@@ -47,6 +47,7 @@ class Slot:
     expression: str
     label: str
     node: Node
+    bulk: bool = False  # a @bulk sequence of octets, which may be written and read in place
 
 
 class Types:

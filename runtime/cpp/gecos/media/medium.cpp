@@ -2,6 +2,12 @@
 
 namespace gecos::media {
 
+bool LentSample::intact() const {
+  if (version == nullptr) return true;
+  std::atomic_thread_fence(std::memory_order_acquire);  // orders the check after the reader's reads
+  return version->load(std::memory_order_relaxed) == 2 * sequence;
+}
+
 void Connection::write_word(std::size_t /*index*/, std::uint64_t /*value*/) {}
 
 std::uint64_t Connection::peer_word(std::size_t /*index*/) { return 0; }

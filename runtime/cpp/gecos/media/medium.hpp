@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -97,11 +98,25 @@ struct StreamSample {
   Bytes bytes;
 };
 
-/// A sample that a reader reads in place, without a copy.
+/// A sample that a reader reads in place, without a copy. The bytes stay readable as long as the
+/// LentSample or a copy of it exists, even after the end of the reader and of the connection.
+///
+/// In shared memory, the writer overwrites the bytes after `depth` further samples. Therefore the
+/// reader must call intact() after reading the bytes, and must discard what it has read if intact()
+/// returns false. The peer may be hostile: the reader must validate the values, and must not read a
+/// length twice.
 struct LentSample {
   std::uint64_t sequence = 0;
   std::int64_t stamp_ns = 0;
-  ByteView bytes;
+  ByteView bytes{};
+  std::shared_ptr<const void> owner{};  ///< keeps `bytes` readable
+  /// The version of the slot of a ring (buffers/stream_ring.hpp), which equals `2 * sequence` as
+  /// long as the bytes are intact. Null if nobody can overwrite the bytes.
+  const std::atomic<std::uint64_t>* version = nullptr;
+
+  /// Returns true when the writer has not yet begun to overwrite the bytes. Any thread may call
+  /// this function.
+  bool intact() const;
 };
 
 /// Writes one stream for all readers with which the stream is shared. At most one thread at a time
@@ -117,6 +132,13 @@ class StreamWriter {
   virtual tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) = 0;
   /// Publishes the sample in the lent memory, and wakes sleeping readers. @pre lend() was called.
   virtual void publish_lent(std::int64_t stamp_ns) = 0;
+  /// Returns what keeps lent memory valid after the end of the writer. Returns null if the readers
+  /// do not read the lent memory itself, so that lending saves no copy.
+  virtual std::shared_ptr<void> lent_owner() const { return nullptr; }
+  /// Returns the newest sample, in the memory where its readers find it. The bytes are valid until
+  /// the next call of another function of the writer. @pre lent_owner() is not null, and newest()
+  /// is not 0
+  virtual ByteView newest_sample() const { return {}; }
   /// Returns the sequence number of the newest sample; 0 before the first one.
   virtual std::uint64_t newest() const = 0;
   /// Makes the numbers of the samples go on after `newest`, so that a stream has the same numbers
@@ -151,14 +173,10 @@ class StreamReader {
   /// lost. With `after` 0, begins with the sample that was the newest when the reader opened the
   /// stream.
   virtual bool next(std::uint64_t after, StreamSample& into) = 0;
-  /// Returns the newest sample like latest(), but without a copy. The bytes stay readable until the
-  /// next call of lend_latest() or until the reader is destroyed. In shared memory, the writer
-  /// overwrites the bytes after `depth` further samples. Therefore the caller must call intact()
-  /// after reading the bytes, and must discard the values if intact() returns false. The peer may
-  /// be hostile: the caller must validate the values, and must not read a length twice.
+  /// Returns the newest sample like latest(), but without a copy.
   virtual std::optional<LentSample> lend_latest(std::uint64_t after) = 0;
-  /// Returns true when the writer has not yet overwritten the bytes of `sample`.
-  virtual bool intact(const LentSample& sample) const = 0;
+  /// Returns the oldest stored sample after `after` like next(), but without a copy.
+  virtual std::optional<LentSample> lend_next(std::uint64_t after) = 0;
 };
 
 inline constexpr std::size_t shared_word_count = 4;

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "gecos/base/bytes.hpp"
 #include "gecos/wire/decode_error.hpp"
@@ -123,6 +125,27 @@ class Decoder {
     return true;
   }
 
+  /// Makes the next get_bulk() store in `octets` where the octets of a @bulk sequence are, in the
+  /// bytes that were given to the decoder, instead of copying them. `octets` must outlive the
+  /// decoder.
+  void keep_bulk(std::optional<ByteView>& octets) { bulk_ = &octets; }
+
+  /// Reads a @bulk sequence of at most `max` octets. After keep_bulk(), leaves `octets` empty.
+  [[nodiscard]] bool get_bulk(std::vector<std::uint8_t>& octets, std::size_t max,
+                              const char* field) {
+    std::size_t count = 0;
+    ByteView view;
+    if (!get_count(count, 1, max, field) || !get_view(view, count, field)) return false;
+    if (bulk_ != nullptr && !bulk_->has_value()) {
+      *bulk_ = view;
+      octets.clear();
+    } else {
+      const auto* const first = reinterpret_cast<const std::uint8_t*>(view.data());
+      octets.assign(first, first + view.size());
+    }
+    return true;
+  }
+
   /// Skips the block of an appendable struct, and makes `inner` a decoder of the bytes in the
   /// block. Bytes that `inner` does not read come from a newer writer and are ignored.
   [[nodiscard]] bool open_block(Decoder& inner, const char* field = "") {
@@ -202,6 +225,7 @@ class Decoder {
   const std::byte* end_;
   int depth_ = 0;
   bool failed_ = false;
+  std::optional<ByteView>* bulk_ = nullptr;
   DecodeError error_;
 };
 

@@ -28,6 +28,13 @@ concept NumberRange = requires(Range& range) {
 /// Returns the number of bytes that `put_string` writes for `text`: a count, the text and a NUL.
 constexpr std::size_t string_size(std::string_view text) { return 4 + text.size() + 1; }
 
+/// The place in a sample for the octets of its @bulk sequence, which the publisher writes there
+/// after the rest of the sample was encoded.
+struct BulkPlace {
+  std::size_t size = 0;           ///< number of octets
+  std::span<std::byte> octets{};  ///< in the buffer of the encoder; empty before put_bulk()
+};
+
 /// Writes values into a buffer, one after the other. The caller must make the buffer as large as
 /// the `encoded_size()` of the value. Only a debug build checks that the written values fit into
 /// the buffer.
@@ -77,6 +84,25 @@ class Encoder {
     cursor_ += numbers.size() * width;
   }
 
+  /// Makes the next put_bulk() leave `place.size` bytes free, and stores in `place` where they are.
+  /// `place` must outlive the encoder.
+  void leave_bulk(BulkPlace& place) { bulk_ = &place; }
+
+  /// Appends a @bulk sequence of octets: the count, then the octets. After leave_bulk(), the octets
+  /// are left free instead, and those of `octets` are ignored.
+  void put_bulk(std::span<const std::uint8_t> octets) {
+    if (bulk_ == nullptr) {
+      put_count(octets.size());
+      put_bytes(std::as_bytes(octets));
+      return;
+    }
+    put_count(bulk_->size);
+    assert(bulk_->size <= room());
+    bulk_->octets = std::span(cursor_, bulk_->size);
+    cursor_ += bulk_->size;
+    bulk_ = nullptr;
+  }
+
   std::size_t written() const { return static_cast<std::size_t>(cursor_ - begin_); }
 
  private:
@@ -94,6 +120,7 @@ class Encoder {
   std::byte* begin_;
   std::byte* cursor_;
   std::byte* end_;
+  BulkPlace* bulk_ = nullptr;
 };
 
 }  // namespace gecos::wire

@@ -56,9 +56,21 @@ void CopyingWriter::publish_lent(std::int64_t stamp_ns) {
   static_cast<void>(publish(lent_, stamp_ns));  // lend() has refused samples that are too large
 }
 
+StreamSample& CopyingReader::unused_sample() {
+  if (lent_.use_count() != 1) lent_ = std::make_shared<StreamSample>();
+  return *lent_;
+}
+
+std::optional<LentSample> CopyingReader::lend() const {
+  return LentSample{lent_->sequence, lent_->stamp_ns, lent_->bytes, lent_};
+}
+
 std::optional<LentSample> CopyingReader::lend_latest(std::uint64_t after) {
-  if (!latest(after, lent_)) return std::nullopt;
-  return LentSample{lent_.sequence, lent_.stamp_ns, lent_.bytes};
+  return latest(after, unused_sample()) ? lend() : std::nullopt;
+}
+
+std::optional<LentSample> CopyingReader::lend_next(std::uint64_t after) {
+  return next(after, unused_sample()) ? lend() : std::nullopt;
 }
 
 }  // namespace gecos::media

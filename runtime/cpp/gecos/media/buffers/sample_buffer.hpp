@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <memory>
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/medium.hpp"
@@ -54,10 +55,14 @@ class CopyingWriter : public StreamWriter {
 class CopyingReader : public StreamReader {
  public:
   std::optional<LentSample> lend_latest(std::uint64_t after) override;
-  bool intact(const LentSample& /*sample*/) const override { return true; }
+  std::optional<LentSample> lend_next(std::uint64_t after) override;
 
  private:
-  StreamSample lent_;
+  StreamSample& unused_sample();
+  std::optional<LentSample> lend() const;
+
+  /// The sample that was lent last. Its memory is used again once its borrower has let it go.
+  std::shared_ptr<StreamSample> lent_;
 };
 
 }  // namespace gecos::media

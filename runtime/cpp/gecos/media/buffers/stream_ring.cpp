@@ -60,6 +60,11 @@ bool read_sample(const StreamMemory& memory, std::uint64_t sequence, StreamSampl
   return true;
 }
 
+/// Returns the number of the oldest sample that is stored when `newest` is the newest one.
+std::uint64_t oldest_of(const StreamMemory& memory, std::uint64_t newest) {
+  return newest > memory.depth ? newest - memory.depth + 1 : 1;
+}
+
 }  // namespace
 
 std::atomic<std::uint64_t>& StreamMemory::newest() const { return *reinterpret_cast<Word*>(base); }
@@ -94,14 +99,22 @@ StreamRingWriter::StreamRingWriter(StreamMemory memory, std::shared_ptr<void> ow
     : memory_(memory), owner_(std::move(owner)) {}
 
 void StreamRingWriter::move_to(StreamMemory memory, std::shared_ptr<void> owner) {
-  // No other thread writes to the old memory, and nobody reads the new memory yet.
-  std::memcpy(memory.base, memory_.base, StreamMemory::bytes(memory_.largest, memory_.depth));
+  // No other thread writes to the old memory but the borrower of a lent slot, and nobody reads the
+  // new memory yet. The lent slot keeps its version 0 in the new memory: it has no sample.
+  for (std::uint64_t sequence = oldest_of(memory_, newest_); sequence <= newest_; ++sequence) {
+    std::memcpy(static_cast<void*>(memory.slot(sequence)), memory_.slot(sequence),
+                StreamMemory::slot_bytes(memory_.largest));
+  }
+  memory.newest().store(memory_.newest().load(std::memory_order_relaxed),
+                        std::memory_order_relaxed);
+  if (!lent_.empty() && lent_owner_ == nullptr) lent_owner_ = owner_;
   memory_ = memory;
   owner_ = std::move(owner);
 }
 
 tl::expected<void, SendProblem> StreamRingWriter::publish(ByteView sample, std::int64_t stamp_ns) {
   if (sample.size() > memory_.largest) return tl::unexpected(SendProblem::TooLarge);
+  take_lent_back();
   const std::uint64_t sequence = ++newest_;
   Word* const slot = memory_.slot(sequence);
   slot[0].store(2 * sequence - 1,
@@ -127,16 +140,34 @@ tl::expected<std::span<std::byte>, SendProblem> StreamRingWriter::lend(std::size
   // The fence ensures that a reader of this slot's previous sample sees the new version before it
   // sees any byte that the caller writes into the lent memory.
   std::atomic_thread_fence(std::memory_order_release);
-  lent_ = size;
-  return std::span(reinterpret_cast<std::byte*>(slot + sample_at), size);
+  take_lent_back();
+  lent_ = std::span(reinterpret_cast<std::byte*>(slot + sample_at), size);
+  return lent_;
 }
 
 void StreamRingWriter::publish_lent(std::int64_t stamp_ns) {
+  if (lent_owner_ != nullptr) {  // the stream has moved to other memory since lend()
+    const std::shared_ptr<void> left = lent_owner_;
+    const std::span<std::byte> written = lent_;
+    std::memcpy(lend(written.size())->data(), written.data(), written.size());
+  }
   const std::uint64_t sequence = ++newest_;
   Word* const slot = memory_.slot(sequence);
   slot[1].store(static_cast<std::uint64_t>(stamp_ns), std::memory_order_release);
-  slot[2].store(lent_, std::memory_order_release);
+  slot[2].store(lent_.size(), std::memory_order_release);
+  take_lent_back();
   complete(sequence);
+}
+
+void StreamRingWriter::take_lent_back() {
+  lent_ = {};
+  lent_owner_ = nullptr;
+}
+
+ByteView StreamRingWriter::newest_sample() const {
+  const Word* const slot = memory_.slot(newest_);
+  return {reinterpret_cast<const std::byte*>(slot + sample_at),
+          slot[2].load(std::memory_order_relaxed)};
 }
 
 StreamWatch::StreamWatch(StreamMemory memory, std::shared_ptr<void> owner)
@@ -189,12 +220,22 @@ bool StreamRingReader::next(std::uint64_t after, StreamSample& into) {
     const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
     watch_->seen.store(newest, std::memory_order_relaxed);
     if (newest <= after) return false;
-    const std::uint64_t depth = memory.depth;
-    const std::uint64_t oldest = newest > depth ? newest - depth + 1 : 1;
-    if (read_sample(memory, std::max(after + 1, oldest), into)) return true;
+    if (read_sample(memory, std::max(after + 1, oldest_of(memory, newest)), into)) return true;
   }
   return latest(after,
                 into);  // the writer is too fast: it overwrites the newest sample last
+}
+
+std::optional<LentSample> StreamRingReader::lend(std::uint64_t sequence) const {
+  const Word* const slot = place_->memory.slot(sequence);
+  LentSample sample{.sequence = sequence, .version = slot};
+  sample.stamp_ns = static_cast<std::int64_t>(slot[1].load(std::memory_order_acquire));
+  const std::uint64_t size = slot[2].load(std::memory_order_acquire);
+  // A size that is too large comes from a torn read, or from a malicious peer.
+  if (size > place_->memory.largest || !sample.intact()) return std::nullopt;
+  sample.bytes = ByteView(reinterpret_cast<const std::byte*>(slot + sample_at), size);
+  sample.owner = place_;
+  return sample;
 }
 
 std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
@@ -203,21 +244,21 @@ std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
     const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
     watch_->seen.store(newest, std::memory_order_relaxed);
     if (newest <= after) return std::nullopt;
-    const Word* const slot = memory.slot(newest);
-    const auto stamp = static_cast<std::int64_t>(slot[1].load(std::memory_order_acquire));
-    const std::uint64_t size = slot[2].load(std::memory_order_acquire);
-    if (size > memory.largest) continue;  // a torn read, or a malicious peer
-    const auto* const bytes = reinterpret_cast<const std::byte*>(slot + sample_at);
-    const LentSample sample{newest, stamp, ByteView(bytes, size)};
-    if (intact(sample)) return sample;
+    if (auto sample = lend(newest)) return sample;
   }
   return std::nullopt;
 }
 
-bool StreamRingReader::intact(const LentSample& sample) const {
-  std::atomic_thread_fence(std::memory_order_acquire);  // orders the check after the caller's reads
-  return place_->memory.slot(sample.sequence)[0].load(std::memory_order_relaxed) ==
-         2 * sample.sequence;
+std::optional<LentSample> StreamRingReader::lend_next(std::uint64_t after) {
+  if (after == 0) after = watch_->past;
+  const StreamMemory& memory = memory_now();
+  for (int tries = 0; tries < most_tries; ++tries) {
+    const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
+    watch_->seen.store(newest, std::memory_order_relaxed);
+    if (newest <= after) return std::nullopt;
+    if (auto sample = lend(std::max(after + 1, oldest_of(memory, newest)))) return sample;
+  }
+  return lend_latest(after);  // the writer is too fast: it overwrites the newest sample last
 }
 
 std::unique_ptr<StreamReader> StreamWatches::open(StreamMemory memory,

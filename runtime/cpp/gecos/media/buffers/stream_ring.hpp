@@ -63,6 +63,8 @@ class StreamRingWriter : public StreamWriter {
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override;
   tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) override;
   void publish_lent(std::int64_t stamp_ns) override;
+  std::shared_ptr<void> lent_owner() const override { return owner_; }
+  ByteView newest_sample() const override;
   std::uint64_t newest() const override { return newest_; }
   void number_after(std::uint64_t newest) override { newest_ = newest; }
 
@@ -72,17 +74,19 @@ class StreamRingWriter : public StreamWriter {
 
  protected:
   /// Makes the writer continue in other memory of the same size, and copies the stored samples to
-  /// this memory.
+  /// this memory. Memory that is lent stays with its borrower; publish_lent() copies its sample.
   void move_to(StreamMemory memory, std::shared_ptr<void> owner);
 
  private:
   StreamMemory memory_;
   std::shared_ptr<void> owner_;
   void complete(std::uint64_t sequence);
+  void take_lent_back();
 
   const std::shared_ptr<SleeperList> sleepers_ = std::make_shared<SleeperList>();
   std::uint64_t newest_ = 0;
-  std::size_t lent_ = 0;  ///< bytes
+  std::span<std::byte> lent_;          ///< empty if no memory is lent
+  std::shared_ptr<void> lent_owner_;  ///< keeps `lent_` valid; null if it is in `memory_`
 };
 
 /// The state of a stream that this end of a connection reads. The reader of the stream uses this
@@ -124,10 +128,11 @@ class StreamRingReader : public StreamReader {
   bool latest(std::uint64_t after, StreamSample& into) override;
   bool next(std::uint64_t after, StreamSample& into) override;
   std::optional<LentSample> lend_latest(std::uint64_t after) override;
-  bool intact(const LentSample& sample) const override;
+  std::optional<LentSample> lend_next(std::uint64_t after) override;
 
  private:
   const StreamMemory& memory_now();
+  std::optional<LentSample> lend(std::uint64_t sequence) const;
 
   const std::shared_ptr<StreamWatch> watch_;
   std::shared_ptr<const StreamWatch::Place> place_;

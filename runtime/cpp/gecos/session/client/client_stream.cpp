@@ -69,17 +69,24 @@ ClientStream::ClientStream(std::shared_ptr<ClientConnection> session,
 
 ClientStream::~ClientStream() { session_->subscriptions().unsubscribe(code_); }
 
-/// Sets time and age of a sample that was read for the first time. Returns whether the quality of
-/// the stream permits to give the sample to the reader. Only a malicious or broken server sends a
-/// sample without its measurement time. The bytes of such a sample are removed, so that the sample
-/// does not decode.
-bool ClientStream::admit(qos::Reception::Way way, RawSample& sample, TimePoint now) {
+/// Removes the measurement time from the end of `sample`, and sets time and age of the sample. Only
+/// a malicious or broken server sends a sample without its measurement time. The bytes of such a
+/// sample are removed, so that the sample does not decode.
+template <class Raw>
+void ClientStream::date(Raw& sample, TimePoint now) {
   constexpr std::int64_t farthest = std::int64_t{1} << 62;
   sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);
   const auto measured = take_measured(sample.bytes);
-  if (!measured) sample.bytes.clear();
+  if (!measured) sample.bytes = {};
   sample.measured = session_->calls().by_our_clock(measured.value_or(TimePoint(-longest_age)));
   sample.age = std::max(now - sample.measured, Duration::zero());
+}
+
+/// Dates a sample that was read for the first time. Returns whether the quality of the stream
+/// permits to give the sample to the reader.
+template <class Raw>
+bool ClientStream::admit(qos::Reception::Way way, Raw& sample, TimePoint now) {
+  date(sample, now);
   return reception_->take(way, sample.sequence, sample.measured, now);
 }
 
@@ -93,10 +100,40 @@ bool ClientStream::latest(RawSample& into) {
   return into.sequence != after_.value_or(0) && reception_->still_valid(now);
 }
 
+bool ClientStream::lend_latest(RawLent& into) {
+  if (lost()) return false;
+  const TimePoint now = session_->runtime().clock().since_boot();
+  const std::uint64_t known = into.sequence;
+  auto lent = reader_->lend_latest(known == 0 ? 0 : known - 1);
+  if (!lent || lent->sequence <= after_.value_or(0)) {
+    reception_->find_nothing(now);
+    return false;
+  }
+  static_cast<media::LentSample&>(into) = *std::move(lent);
+  if (into.sequence > known) return admit(qos::Reception::Way::Newest, into, now);
+  date(into, now);
+  reception_->find_nothing(now);
+  return reception_->still_valid(now);
+}
+
 tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint deadline) {
+  return next(into, deadline, [&] { return reader_->next(into.sequence, into); });
+}
+
+tl::expected<void, StreamEnd> ClientStream::lend_next(RawLent& into, TimePoint deadline) {
+  return next(into, deadline, [&] {
+    auto lent = reader_->lend_next(into.sequence);
+    if (lent) static_cast<media::LentSample&>(into) = *std::move(lent);
+    return lent.has_value();
+  });
+}
+
+template <class Raw>
+tl::expected<void, StreamEnd> ClientStream::next(Raw& into, TimePoint deadline,
+                                                 FunctionRef<bool()> read) {
   const Clock& clock = session_->runtime().clock();
   for (int looks = most_looks;; --looks) {
-    const bool got = await_sample(into, deadline);
+    const bool got = await_sample(read, deadline);
     const TimePoint now = clock.since_boot();
     if (got) {
       if (admit(qos::Reception::Way::InOrder, into, now)) return {};
@@ -113,7 +150,7 @@ tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint dead
 
 /// Waits for an unread sample until `deadline`, but not after the time at which the reader must be
 /// told that the stream missed its own deadline.
-bool ClientStream::await_sample(RawSample& into, TimePoint deadline) {
+bool ClientStream::await_sample(FunctionRef<bool()> read, TimePoint deadline) {
   if (const TimePoint late_at = reception_->late_at(); late_at != TimePoint::max()) {
     const Duration left = late_at - session_->runtime().clock().since_boot();
     deadline = std::min(deadline, TimePoint(std::chrono::steady_clock::now()) + left);
@@ -123,7 +160,7 @@ bool ClientStream::await_sample(RawSample& into, TimePoint deadline) {
       nullptr,
       [&] {
         if (session_->closed()) return true;
-        got = got || reader_->next(into.sequence, into);
+        got = got || read();
         return got || session_->lost() || !waits_.load(std::memory_order_relaxed);
       },
       deadline);

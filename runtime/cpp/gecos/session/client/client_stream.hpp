@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "gecos/base/function_ref.hpp"
 #include "gecos/object.hpp"
 #include "gecos/stream.hpp"
 
@@ -25,6 +26,8 @@ class ClientStream final : public StreamCore {
 
   bool latest(RawSample& into) override;
   tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
+  bool lend_latest(RawLent& into) override;
+  tl::expected<void, StreamEnd> lend_next(RawLent& into, TimePoint deadline) override;
   bool lost() const override;
   std::string loss_text() const override;
   bool revoked() const override;
@@ -40,8 +43,14 @@ class ClientStream final : public StreamCore {
   void stop_waiting();
 
  private:
-  bool await_sample(RawSample& into, TimePoint deadline);
-  bool admit(qos::Reception::Way way, RawSample& sample, TimePoint now);
+  /// Waits for a sample, which `read` reads into `into`.
+  template <class Raw>
+  tl::expected<void, StreamEnd> next(Raw& into, TimePoint deadline, FunctionRef<bool()> read);
+  bool await_sample(FunctionRef<bool()> read, TimePoint deadline);
+  template <class Raw>
+  void date(Raw& sample, TimePoint now);
+  template <class Raw>
+  bool admit(qos::Reception::Way way, Raw& sample, TimePoint now);
 
   const std::shared_ptr<ClientConnection> session_;
   const FunctionCode code_;

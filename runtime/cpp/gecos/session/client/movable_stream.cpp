@@ -30,13 +30,28 @@ bool MovableStream::latest(RawSample& into) {
   return read_->latest(into);
 }
 
+bool MovableStream::lend_latest(RawLent& into) {
+  read_from(core());
+  return read_->lend_latest(into);
+}
+
 tl::expected<void, StreamEnd> MovableStream::next(RawSample& into, TimePoint deadline) {
+  return next_of(into.sequence, [&] { return read_->next(into, deadline); });
+}
+
+tl::expected<void, StreamEnd> MovableStream::lend_next(RawLent& into, TimePoint deadline) {
+  return next_of(into.sequence, [&] { return read_->lend_next(into, deadline); });
+}
+
+/// `sequence`: the number of the sample that was read last. `read` waits for the next one.
+tl::expected<void, StreamEnd> MovableStream::next_of(
+    const std::uint64_t& sequence, FunctionRef<tl::expected<void, StreamEnd>()> read) {
   for (;;) {
     const auto newest = core();
     // Before the change, the reader takes the samples that have arrived over the old medium and
     // that the new medium may not have.
-    if (read_ != newest && into.sequence >= newest->opened_at()) read_from(newest);
-    const auto got = read_->next(into, deadline);
+    if (read_ != newest && sequence >= newest->opened_at()) read_from(newest);
+    const auto got = read();
     if (got || read_ == core()) return got;
     read_from(core());
   }

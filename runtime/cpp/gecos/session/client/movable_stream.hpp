@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "gecos/base/function_ref.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/session/client/client_stream.hpp"
 #include "gecos/session/process/runtime.hpp"
@@ -33,6 +34,8 @@ class MovableStream final : public StreamCore {
 
   bool latest(RawSample& into) override;
   tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
+  bool lend_latest(RawLent& into) override;
+  tl::expected<void, StreamEnd> lend_next(RawLent& into, TimePoint deadline) override;
   bool lost() const override { return core()->lost(); }
   std::string loss_text() const override { return core()->loss_text(); }
   bool revoked() const override { return core()->revoked(); }
@@ -41,6 +44,8 @@ class MovableStream final : public StreamCore {
   bool alive() const override { return core()->alive(); }
 
  private:
+  tl::expected<void, StreamEnd> next_of(const std::uint64_t& sequence,
+                                        FunctionRef<tl::expected<void, StreamEnd>()> read);
   void read_from(std::shared_ptr<ClientStream> core);
 
   const std::shared_ptr<ClientSession> session_;

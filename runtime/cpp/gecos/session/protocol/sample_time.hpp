@@ -51,14 +51,20 @@ inline void append_measured(Bytes& sample, TimePoint measured) {
 
 /// Removes the appended measurement time from `sample` and returns it; nullopt when `sample` is too
 /// short to have one.
-inline std::optional<TimePoint> take_measured(Bytes& sample) {
+inline std::optional<TimePoint> take_measured(ByteView& sample) {
   if (sample.size() < measured_bytes) return std::nullopt;
-  const std::size_t size = sample.size() - measured_bytes;
   std::int64_t measured = 0;
-  wire::Decoder from(ByteView(sample).subspan(size));
+  wire::Decoder from(sample.last(measured_bytes));
   if (!from.get(measured, "measured")) return std::nullopt;
-  sample.resize(size);
+  sample = sample.first(sample.size() - measured_bytes);
   return TimePoint(std::clamp(Duration(measured), -longest_age, longest_age));
+}
+
+inline std::optional<TimePoint> take_measured(Bytes& sample) {
+  ByteView rest(sample);
+  const auto measured = take_measured(rest);
+  sample.resize(rest.size());
+  return measured;
 }
 
 }  // namespace gecos::session

@@ -158,4 +158,9 @@ void ObjectHost::publish(const StreamDescription& stream, ByteView sample, std::
   streams_.publish(stream, sample, sample_time(stamp_ns, state_.setup.clock()));
 }
 
+bool ObjectHost::publish_lent(const StreamDescription& stream, const LentMemory& memory,
+                              std::int64_t stamp_ns) {
+  return streams_.publish_lent(stream, memory, sample_time(stamp_ns, state_.setup.clock()));
+}
+
 }  // namespace gecos::session

@@ -84,6 +84,15 @@ class ObjectHost final : public Publisher {
   TimePoint on_tick(TimePoint now);
 
   void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) override;
+  tl::expected<LentMemory, std::string> lend(const StreamDescription& stream,
+                                             std::size_t size) override {
+    return streams_.lend(stream, size);
+  }
+  bool publish_lent(const StreamDescription& stream, const LentMemory& memory,
+                    std::int64_t stamp_ns) override;
+  void give_back(const StreamDescription& stream, const LentMemory& memory) override {
+    streams_.give_back(stream, memory);
+  }
   InwardCore* inward(const InwardDescription& stream) override { return inward_.find(stream.code); }
 
   /// Ends all calls as STOPPED and accepts no more.

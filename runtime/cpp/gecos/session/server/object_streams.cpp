@@ -67,4 +67,25 @@ void ObjectStreams::publish(const StreamDescription& stream, ByteView sample,
   }
 }
 
+tl::expected<LentMemory, std::string> ObjectStreams::lend(const StreamDescription& stream,
+                                                          std::size_t size) {
+  const std::size_t index = index_of(stream);
+  if (index == ports_.size()) {
+    return tl::unexpected(object_ + " has no stream '" + std::string(stream.name) + "'");
+  }
+  return ports_[index]->lend(size);
+}
+
+bool ObjectStreams::publish_lent(const StreamDescription& stream, const LentMemory& memory,
+                                 const SampleTime& time) {
+  const std::size_t index = index_of(stream);
+  return index < ports_.size() && ports_[index]->publish_lent(memory, time);
+}
+
+void ObjectStreams::give_back(const StreamDescription& stream, const LentMemory& memory) {
+  if (const std::size_t index = index_of(stream); index < ports_.size()) {
+    ports_[index]->give_back(memory);
+  }
+}
+
 }  // namespace gecos::session

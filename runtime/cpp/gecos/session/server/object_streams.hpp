@@ -31,6 +31,11 @@ class ObjectStreams {
   void exclude(media::Connection& connection);
   /// Publishes `sample`; does nothing when the interface has no such stream.
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
+  /// Lends memory for the next sample, as StreamPort::lend().
+  tl::expected<LentMemory, std::string> lend(const StreamDescription& stream, std::size_t size);
+  bool publish_lent(const StreamDescription& stream, const LentMemory& memory,
+                    const SampleTime& time);
+  void give_back(const StreamDescription& stream, const LentMemory& memory);
   /// Returns how much was published on each stream, in the order of the ids of the streams on
   /// connections. Does not set `readers`.
   std::vector<StreamStats> stats() const;

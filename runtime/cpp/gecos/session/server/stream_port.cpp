@@ -11,6 +11,12 @@ namespace {
 
 constexpr std::size_t unbounded_sample = 64 * 1024;
 constexpr std::size_t usual_depth = 16;
+constexpr const char* still_lent =
+    "the memory of its next sample is lent; publish the loan or let it end first";
+
+std::size_t largest_of(const StreamDescription& stream) {
+  return stream.largest != 0 ? stream.largest : unbounded_sample;
+}
 
 }  // namespace
 
@@ -35,7 +41,7 @@ tl::expected<std::uint64_t, std::string> StreamPort::share(std::uint32_t id,
 tl::expected<media::StreamWriter*, std::string> StreamPort::writer_for(media::Acceptor& acceptor) {
   const std::string_view medium = acceptor.capabilities().name;
   if (const auto found = writers_.find(medium); found != writers_.end()) return found->second.get();
-  const std::size_t largest = stream_.largest != 0 ? stream_.largest : unbounded_sample;
+  const std::size_t largest = largest_of(stream_);
   const std::size_t depth = stream_.quality.depth != 0 ? stream_.quality.depth : usual_depth;
   try {
     auto made = acceptor.make_stream(largest + measured_bytes, depth);
@@ -44,7 +50,7 @@ tl::expected<media::StreamWriter*, std::string> StreamPort::writer_for(media::Ac
     if (const std::uint64_t newest = newest_number(); newest != 0) {
       made->number_after(kept_ ? newest - 1 : newest);
     }
-    if (kept_) static_cast<void>(made->publish(latest_, latest_stamp_ns_));
+    if (kept_) static_cast<void>(made->publish(latest(), latest_stamp_ns_));
     return writers_.emplace(medium, std::move(made)).first->second.get();
   } catch (const std::exception& failed) {  // no memory or no descriptor is left
     return tl::unexpected(named() + " cannot be opened over " + std::string(medium) + ": " +
@@ -60,16 +66,93 @@ std::uint64_t StreamPort::newest_number() const {
 
 void StreamPort::publish(ByteView sample, const SampleTime& time) {
   const MutexLock lock(mutex_);
+  if (lent_.first != nullptr) {  // its memory is that of the next sample
+    ++dropped_;
+    log_error("session", "a sample of the " + named() + " is not published: " + still_lent);
+    return;
+  }
   latest_.assign(sample.begin(), sample.end());
   append_measured(latest_, time.measured);
+  latest_in_ = nullptr;
   latest_stamp_ns_ = time.stamp_ns;
+  count(sample.size());
+  distribute(nullptr);
+}
+
+void StreamPort::count(std::size_t size) {
   kept_ = !stream_.event;
   ++samples_;
-  bytes_ += sample.size();
+  bytes_ += size;
+}
+
+ByteView StreamPort::latest() const {
+  return latest_in_ != nullptr ? latest_in_->newest_sample() : ByteView(latest_);
+}
+
+void StreamPort::distribute(const media::StreamWriter* written) {
+  const ByteView all = latest();
+  const ByteView sample = all.first(all.size() - measured_bytes);
   for (const auto& [medium, writer] : writers_) {
-    if (!writer->publish(latest_, time.stamp_ns)) drop(sample.size(), medium);
+    if (writer.get() == written) continue;
+    if (!writer->publish(all, latest_stamp_ns_)) drop(sample.size(), medium);
   }
   if (!open_channels_.empty()) send_in_clear(sample);
+}
+
+tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
+  const MutexLock lock(mutex_);
+  if (lent_.first != nullptr) return tl::unexpected(std::string(still_lent));
+  if (const std::size_t largest = largest_of(stream_); size > largest) {
+    ++dropped_;
+    return tl::unexpected("the sample takes " + std::to_string(size) + " bytes, at most " +
+                          std::to_string(largest) + " fit; " +
+                          (stream_.largest == 0 ? "give its sequences and strings bounds"
+                                                : "shorten it"));
+  }
+  // Over shm there are most readers of large samples, so shm comes before inproc.
+  for (auto held = writers_.rbegin(); held != writers_.rend(); ++held) {
+    media::StreamWriter& writer = *held->second;
+    auto owner = writer.lent_owner();
+    if (owner == nullptr) continue;
+    const auto whole = writer.lend(size + measured_bytes);
+    if (!whole) continue;
+    lent_ = {whole->data(), *whole, &writer};
+    return LentMemory{whole->first(size), std::move(owner)};
+  }
+  auto own = std::make_shared<Bytes>(size + measured_bytes);
+  lent_ = {own->data(), *own, nullptr, own};
+  return LentMemory{lent_.whole.first(size), std::move(own)};
+}
+
+bool StreamPort::publish_lent(const LentMemory& memory, const SampleTime& time) {
+  const MutexLock lock(mutex_);
+  if (lent_.first == nullptr || lent_.first != memory.bytes.data()) return false;
+  const Lent lent = std::exchange(lent_, {});
+  write_measured(lent.whole.last<measured_bytes>(), time.measured);
+  latest_in_ = lent.writer;
+  latest_stamp_ns_ = time.stamp_ns;
+  if (lent.writer != nullptr) {
+    lent.writer->publish_lent(time.stamp_ns);
+  } else {
+    latest_.swap(*lent.own);
+  }
+  count(memory.bytes.size());
+  distribute(lent.writer);
+  return true;
+}
+
+void StreamPort::give_back(const LentMemory& memory) {
+  const MutexLock lock(mutex_);
+  if (lent_.first == memory.bytes.data()) lent_ = {};
+}
+
+/// Must be called when `ended`, a writer, is about to be destroyed.
+void StreamPort::forget(const media::StreamWriter* ended) {
+  if (lent_.writer == ended) lent_ = {};
+  if (latest_in_ == ended) {
+    latest_in_ = nullptr;
+    kept_ = false;
+  }
 }
 
 void StreamPort::publish_in_clear(media::Acceptor& acceptor) {
@@ -122,12 +205,16 @@ void StreamPort::move_on(std::string_view medium) {
     log_error("session", named() +
                              " cannot be moved to memory that an excluded client cannot read: " +
                              failed.what() + "; the stream is closed over " + std::string(medium));
+    forget(found->second.get());
     writers_.erase(found);
   }
 }
 
 void StreamPort::close() {
   const MutexLock lock(mutex_);
+  lent_ = {};
+  latest_in_ = nullptr;
+  kept_ = false;
   writers_.clear();
   open_channels_.clear();
 }

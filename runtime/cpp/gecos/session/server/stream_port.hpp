@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/description.hpp"
+#include "gecos/loan.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/protocol/sample_time.hpp"
@@ -17,6 +19,9 @@ namespace gecos::session {
 /// Publishes one stream of an object. At the first subscription over a medium, creates the writer
 /// for that medium. Until the first subscription, keeps the latest sample of a stream, but no
 /// event.
+///
+/// A sample that is written in place is not copied, unless several media have readers: then the
+/// others get a copy.
 ///
 /// `publish` locks no mutex of the object and uses no session. It allocates no memory when a sample
 /// of the same size was published before. Thread-safe.
@@ -28,6 +33,16 @@ class StreamPort {
 
   const StreamDescription& stream() const { return stream_; }
   void publish(ByteView sample, const SampleTime& time);
+  /// Lends memory of `size` bytes for the next sample. The memory is that of a medium whose readers
+  /// read it in place, if there is one with a subscription; otherwise it is private, and its sample
+  /// is copied for each medium. Fails with the reason if the sample is too large, or while other
+  /// memory of this stream is lent.
+  tl::expected<LentMemory, std::string> lend(std::size_t size);
+  /// Publishes the sample in `memory`, which lend() returned. Returns false if the stream over its
+  /// medium was closed meanwhile.
+  bool publish_lent(const LentMemory& memory, const SampleTime& time);
+  /// Must be called when `memory`, which lend() returned, will not be published.
+  void give_back(const LentMemory& memory);
   /// Returns how much was published. Does not set `readers`.
   StreamStats stats();
   /// Lets the client of `connection` read the stream under `id`. `acceptor`: the acceptor of
@@ -45,6 +60,19 @@ class StreamPort {
   void close();
 
  private:
+  struct Lent {
+    const std::byte* first = nullptr;       ///< null if nothing is lent
+    std::span<std::byte> whole{};           ///< with the measurement time
+    media::StreamWriter* writer = nullptr;  ///< whose memory it is; null if it is `own`
+    std::shared_ptr<Bytes> own{};
+  };
+
+  /// Returns the latest sample with its measurement time. @pre kept_
+  ByteView latest() const GECOS_REQUIRES(mutex_);
+  void count(std::size_t size) GECOS_REQUIRES(mutex_);
+  /// Gives the latest sample to all media but that of `written`.
+  void distribute(const media::StreamWriter* written) GECOS_REQUIRES(mutex_);
+  void forget(const media::StreamWriter* ended) GECOS_REQUIRES(mutex_);
   tl::expected<media::StreamWriter*, std::string> writer_for(media::Acceptor& acceptor)
       GECOS_REQUIRES(mutex_);
   /// Returns the number of the newest sample; 0 when no medium has one.
@@ -63,8 +91,12 @@ class StreamPort {
   Bytes open_message_ GECOS_GUARDED_BY(mutex_);
   Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< the latest sample, with the measurement time
                                            ///< appended
+  /// The writer whose memory has the latest sample, which was written in place; null if `latest_`
+  /// has it.
+  media::StreamWriter* latest_in_ GECOS_GUARDED_BY(mutex_) = nullptr;
+  Lent lent_ GECOS_GUARDED_BY(mutex_);
   std::int64_t latest_stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
-  bool kept_ GECOS_GUARDED_BY(mutex_) = false;  ///< `latest_` is for readers that come later
+  bool kept_ GECOS_GUARDED_BY(mutex_) = false;  ///< latest() is for readers that come later
   bool complained_ GECOS_GUARDED_BY(mutex_) = false;
   std::uint64_t samples_ GECOS_GUARDED_BY(mutex_) = 0;
   std::uint64_t bytes_ GECOS_GUARDED_BY(mutex_) = 0;    ///< of the values of all samples
