@@ -24,7 +24,7 @@ default, or no value. A stream sample is encoded like the reply body of its attr
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
@@ -55,6 +55,7 @@ from gidl.model import (
     ExceptionStruct,
     Interface,
     MapType,
+    Member,
     Model,
     NamedType,
     Operation,
@@ -69,6 +70,8 @@ from gidl.model import (
     Union,
     within,
 )
+
+_LARGEST_SAMPLE = 2**30  # bytes; the memory of a stream is never larger
 
 # The size of the smallest object reference in bytes: two empty strings (length and NUL each) and
 # two int64.
@@ -404,10 +407,8 @@ class _Builder:
         """Returns the size of the largest sample in bytes, or None if the size is not limited. The
         size is that of samples from a sender with this declaration. Members that a later version of
         an appendable struct adds therefore do not count."""
-        if not isinstance(sample.node, AppendableNode):
-            return sample.fixed_size
-        members = _sum_fixed(self._struct_fields(self._model.struct(sample.node.name)))
-        return None if members is None else 4 + members
+        size = max_size_of(self._model, sample.node)
+        return size if size is not None and size <= _LARGEST_SAMPLE else None
 
     def _exceptions(self, names: tuple[str, ...]) -> tuple[tuple[str, int], ...]:
         found = []
@@ -468,6 +469,56 @@ def fixed_size_of(model: Model, node: Node) -> int | None:
             return None if each is None else count * each
         case _:
             return None
+
+
+def max_size_of(model: Model, node: Node, outer: frozenset[str] = frozenset()) -> int | None:
+    """Returns the size of the largest value in bytes, or None if the size is not limited. `outer`
+    are the structs that contain the value: one that contains itself is not limited."""
+
+    def times(count: int | None, each: int | None) -> int | None:
+        return None if count is None or each is None else count * each
+
+    match node:
+        case ScalarNode() | EnumNode():
+            return min_size_of(model, node)
+        case StringNode(bound):
+            return None if bound is None else 5 + bound
+        case StructNode(name) | AppendableNode(name):
+            sizes = _largest_members(model, model.all_members(model.struct(name)), name, outer)
+            prefix = 4 if isinstance(node, AppendableNode) else 0
+            return None if sizes is None else prefix + sum(sizes)
+        case UnionNode(name):
+            union = model.find(name)
+            assert isinstance(union, Union)
+            sizes = _largest_members(model, (case.member for case in union.cases), name, outer)
+            prefix = (4 if node.appendable else 0) + _union_min_size(model, union)
+            return None if sizes is None else prefix + max(sizes)
+        case OptionalNode(element):
+            each = max_size_of(model, element, outer)
+            return None if each is None else 1 + each
+        case ArrayNode(element=element, count=count):
+            return times(count, max_size_of(model, element, outer))
+        case SequenceNode(element, bound):
+            whole = times(bound, max_size_of(model, element, outer))
+            return None if whole is None else 4 + whole
+        case MapNode(key, value, bound):
+            one = [max_size_of(model, each, outer) for each in (key, value)]
+            pair = None if None in one else sum(each for each in one if each is not None)
+            whole = times(bound, pair)
+            return None if whole is None else 4 + whole
+        case ObjectNode():
+            return None
+
+
+def _largest_members(
+    model: Model, members: Iterable[Member], name: str, outer: frozenset[str]
+) -> list[int] | None:
+    """Returns the largest size of each member of `name`, or None if a size is not limited."""
+    if name in outer:
+        return None
+    inside = outer | {name}
+    sizes = [max_size_of(model, node_of(model, m.type, m.optional), inside) for m in members]
+    return None if None in sizes else [size for size in sizes if size is not None]
 
 
 def _union_min_size(model: Model, union: Union) -> int:

@@ -28,7 +28,7 @@ def octets_in_place(model: Model, used: Type) -> Member | None:
     if struct.maps_to is not None or len(found) != 1 or not are_octets(model, found[0]):
         return None
     others = [m.type for m in members if m is not found[0]]
-    return None if _have_bulk(model, others, {struct.name}) else found[0]
+    return None if _have_bulk(model, others, set()) else found[0]
 
 
 def are_octets(model: Model, member: Member) -> bool:

@@ -32,12 +32,12 @@ __all__ = [
 _ARTICULATED_ARM_JOINTS: _Method[JointPositions, None] = _method(
     _getter(0x7AA67B74, "joints", _Access.SENSOR, hash=0xFE4AF97B3A103E34),
     gives=JointPositions,
-    stream=(250.0, 0),
+    stream=(250.0, 68),
 )
 _ARTICULATED_ARM_COMMANDED_JOINTS: _Method[JointPositions, None] = _method(
     _getter(0x34E8BA81, "commanded_joints", _Access.SENSOR, hash=0x4F39A93350A5A7F9),
     gives=JointPositions,
-    stream=(250.0, 0),
+    stream=(250.0, 68),
 )
 _ARTICULATED_ARM_MOVE_JOINTS: _Method[None, MotionProgress] = _method(
     _Operation(
@@ -53,8 +53,8 @@ _ARTICULATED_ARM_MOVE_JOINTS: _Method[None, MotionProgress] = _method(
     raises=(JointLimit,),
 )
 _ARTICULATED_ARM_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::ArticulatedArm","doc":"An arm with any number of revolute joints. An arm of six joints has the interface SixAxis instead, whose operations are the same.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0xc268e7aa07dd8ba7","members":[
-{"kind":"attribute","name":"joints","doc":"Joint positions as measured.","type":"robcl::JointPositions","readonly":true,"stream":{"direction":"out","rate_hz":250.0},"read_access":"sensor","codes":{"get":2057730932,"stream":2057730932},"hash":"0xfe4af97b3a103e34"},
-{"kind":"attribute","name":"commanded_joints","doc":"Joint positions that the control loop has sent to the drives: the set points of the cycle in which `joints` were measured.","type":"robcl::JointPositions","readonly":true,"stream":{"direction":"out","rate_hz":250.0},"read_access":"sensor","codes":{"get":887667329,"stream":887667329},"hash":"0x4f39a93350a5a7f9"},
+{"kind":"attribute","name":"joints","doc":"Joint positions as measured.","type":"robcl::JointPositions","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":68},"read_access":"sensor","codes":{"get":2057730932,"stream":2057730932},"hash":"0xfe4af97b3a103e34"},
+{"kind":"attribute","name":"commanded_joints","doc":"Joint positions that the control loop has sent to the drives: the set points of the cycle in which `joints` were measured.","type":"robcl::JointPositions","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":68},"read_access":"sensor","codes":{"get":887667329,"stream":887667329},"hash":"0x4f39a93350a5a7f9"},
 {"kind":"operation","name":"move_joints","doc":"Moves all joints to `target`, arriving together. BAD_PARAMETER unless `target` has a position for each joint.","parameters":[{"name":"target","direction":"in","type":"robcl::JointPositions"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::JointLimit"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":1047189192,"hash":"0x7c9e4a85bd068be4"}]},
 "types":[
 {"kind":"enum","name":"robcl::PathType","default_literal":"JOINT","enumerators":[{"name":"STRAIGHT","value":0},{"name":"JOINT","value":1}]},

@@ -109,6 +109,25 @@ class StreamCore {
   virtual bool alive() const = 0;
 };
 
+/// How far a reader has read a stream, in place or by copies. Only one thread may use it at a time.
+class ReadPosition {
+ public:
+  explicit ReadPosition(std::uint64_t after) { sample_.sequence = after; }
+
+  /// Read a sample into sample(); the results are those of StreamCore.
+  bool latest(StreamCore& stream);
+  tl::expected<void, StreamEnd> next(StreamCore& stream, TimePoint deadline);
+  /// Read a sample into `into`, in place.
+  bool lend_latest(StreamCore& stream, RawLent& into);
+  tl::expected<void, StreamEnd> lend_next(StreamCore& stream, RawLent& into, TimePoint deadline);
+  /// Returns the sample that latest() or next() has read last. Its memory is used again.
+  const RawSample& sample() const { return sample_; }
+
+ private:
+  RawSample sample_;
+  bool copied_ = true;  ///< false if `sample_` has only the number of the sample that was read last
+};
+
 }  // namespace session
 
 /// A subscription to a stream. Only one thread may read at a time. The subscription ends when its
@@ -122,9 +141,10 @@ class Stream {
  public:
   using Decode = bool (*)(wire::Decoder&, T&);
   Stream(std::shared_ptr<session::StreamCore> core, Decode decode)
-      : core_(std::move(core)), decode_(decode), read_(core_->after()) {
-    raw_.sequence = read_.value_or(0);
-  }
+      : core_(std::move(core)),
+        decode_(decode),
+        read_(core_->after()),
+        position_(read_.value_or(0)) {}
 
   /// Returns the newest sample, even if it was read before. Returns nullopt before the first
   /// sample, while the newest sample does not decode or is older than the `lifespan`, while the
@@ -133,7 +153,7 @@ class Stream {
   /// was silent for about `lease_ttl` + `grace`. Until then, only `age` shows that no new samples
   /// arrive.
   std::optional<Sample<T>> latest() {
-    if (!(copied_ ? core_->latest(raw_) : copy_latest())) return std::nullopt;
+    if (!position_.latest(*core_)) return std::nullopt;
     return decoded();
   }
   /// Returns the next unread sample and waits for it at most `patience`. A program that reads more
@@ -141,24 +161,24 @@ class Stream {
   tl::expected<Sample<T>, StreamEnd> next(Duration patience) {
     const TimePoint deadline = deadline_after(patience);
     for (;;) {
-      if (auto got = core_->next(raw_, deadline); !got) return tl::unexpected(got.error());
-      copied_ = true;
+      if (auto got = position_.next(*core_, deadline); !got) return tl::unexpected(got.error());
       if (auto sample = decoded()) return *std::move(sample);
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
   }
   /// Returns the newest sample as latest() does, but without a copy of its @bulk sequence.
   std::optional<SampleInPlace<T>> latest_in_place() {
-    session::RawLent lent = unread_lent();
-    if (!core_->lend_latest(lent)) return std::nullopt;
+    session::RawLent lent;
+    if (!position_.lend_latest(*core_, lent)) return std::nullopt;
     return decoded(lent);
   }
   /// Returns the next unread sample as next() does, but without a copy of its @bulk sequence.
   tl::expected<SampleInPlace<T>, StreamEnd> next_in_place(Duration patience) {
     const TimePoint deadline = deadline_after(patience);
     for (;;) {
-      session::RawLent lent = unread_lent();
-      if (auto got = core_->lend_next(lent, deadline); !got) return tl::unexpected(got.error());
+      session::RawLent lent;
+      auto got = position_.lend_next(*core_, lent, deadline);
+      if (!got) return tl::unexpected(got.error());
       if (auto sample = decoded(lent)) return *std::move(sample);
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
@@ -184,37 +204,18 @@ class Stream {
 
  private:
   std::optional<Sample<T>> decoded() {
-    wire::Decoder from(raw_.bytes);
+    const session::RawSample& raw = position_.sample();
+    wire::Decoder from(raw.bytes);
     Sample<T> sample;
     if (!decode_(from, sample.value)) {
-      note_unreadable(raw_.sequence);
+      note_unreadable(raw.sequence);
       return std::nullopt;
     }
-    note_read(sample, raw_);
+    note_read(sample, raw);
     return sample;
   }
 
-  /// Returns a sample that has only the number of the sample that was read last.
-  session::RawLent unread_lent() const {
-    session::RawLent lent;
-    lent.sequence = raw_.sequence;
-    return lent;
-  }
-  /// As StreamCore::latest(), after samples were read in place: copies the newest one.
-  bool copy_latest() {
-    session::RawLent lent = unread_lent();
-    if (!core_->lend_latest(lent)) return false;
-    raw_.bytes.assign(lent.bytes.begin(), lent.bytes.end());
-    raw_.sequence = lent.sequence;
-    raw_.stamp_ns = lent.stamp_ns;
-    raw_.measured = lent.measured;
-    raw_.age = lent.age;
-    copied_ = lent.intact();
-    return copied_;
-  }
   std::optional<SampleInPlace<T>> decoded(session::RawLent& lent) {
-    copied_ = copied_ && raw_.sequence == lent.sequence;
-    raw_.sequence = lent.sequence;
     wire::Decoder from(lent.bytes);
     std::optional<ByteView> octets;
     from.keep_bulk(octets);
@@ -248,9 +249,8 @@ class Stream {
 
   std::shared_ptr<session::StreamCore> core_;
   Decode decode_;
-  session::RawSample raw_;
-  bool copied_ = true;  ///< false if `raw_` has only the number of the sample that was read last
   std::optional<std::uint64_t> read_;  ///< sequence number of the last sample that was read
+  session::ReadPosition position_;
   std::uint64_t last_unreadable_ = 0;
   std::uint64_t unreadable_ = 0;
 };

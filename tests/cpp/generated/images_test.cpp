@@ -23,6 +23,8 @@ class Camera final : public images::CameraServant {
  protected:
   gecos::Result<Image> picture() override { return Image{}; }
   gecos::Result<images::Sweep> scan() override { return images::Sweep{}; }
+  gecos::Result<images::Frame> still() override { return images::Frame{}; }
+  gecos::Result<images::Dump> raw() override { return images::Dump{}; }
   gecos::Result<images::Stereo> both() override { return images::Stereo{}; }
 };
 
@@ -215,28 +217,56 @@ TEST_P(Images, MayHaveNoOctetsOrAllThatFit) {
   auto sample = stream.next_in_place(10s);
   ASSERT_TRUE(sample) << to_string(sample.error());
   EXPECT_TRUE(sample->octets.empty());
-  if (!shares_memory()) return;  // lcm sends no sample as large as that
-  publish(1, 6'220'800);
+  publish(1, 50'000);
   sample = stream.next_in_place(10s);
   ASSERT_TRUE(sample) << to_string(sample.error());
-  ASSERT_EQ(sample->octets.size(), 6'220'800U);
-  EXPECT_EQ(sample->octets.back(), static_cast<std::uint8_t>(6'220'800));
+  ASSERT_EQ(sample->octets.size(), 50'000U);
+  EXPECT_EQ(sample->octets.back(), static_cast<std::uint8_t>(50'000));
 }
 
 TEST_P(Images, ThatDoNotFitAreRefused) {
   ::testing::internal::CaptureStderr();
-  EXPECT_FALSE(camera_.lend_picture({}, 6'220'801));
+  EXPECT_FALSE(camera_.lend_picture({}, 50'001));
   EXPECT_FALSE(camera_.lend_picture({.pixels = {1}}, 10));
   EXPECT_FALSE(camera_.lend_picture({.encoding = "a text that is too long"}, 10));
-  EXPECT_FALSE(camera_.lend_scan({}, 100'000)) << "no bound: 64 KiB";
+  EXPECT_FALSE(camera_.lend_raw({}, 100'000)) << "no bound: 64 KiB";
   const std::string log = ::testing::internal::GetCapturedStderr();
   for (const char* const part :
-       {"6220801 octets, at most 6220800 fit", "leave it empty and write them into the loan",
+       {"picture: 50001 octets, at most 50000 fit", "leave it empty and write them into the loan",
         "Image.encoding: 23 bytes, at most 16 fit",
-        "the sample takes 100004 bytes, at most 65536 fit; give its sequences and strings bounds"}) {
+        "the sample takes 100005 bytes, at most 65536 fit; give its sequences and strings bounds"}) {
     EXPECT_NE(log.find(part), std::string::npos) << part << "\n" << log;
   }
   EXPECT_TRUE(camera_.lend_picture({}, 10)) << "a refused loan has ended";
+}
+
+TEST_P(Images, OfAFullScreenComeOverSharedMemoryAndAreRefusedOverLcm) {
+  auto opened = proxy_.still(gecos::stream);
+  if (!shares_memory()) {
+    ASSERT_FALSE(opened);
+    EXPECT_NE(opened.error().text.find(
+                  "stream 'still' of CAMERA has samples of up to 6220808 bytes, and lcm carries at "
+                  "most "),
+              std::string::npos)
+        << opened.error();
+    EXPECT_NE(opened.error().text.find("read it on the host of its server, or reduce the bound"),
+              std::string::npos)
+        << opened.error();
+    return;
+  }
+  ASSERT_TRUE(opened) << opened.error();
+  for (std::uint32_t number = 1; number <= 40; ++number) {
+    auto loan = camera_.lend_still({.number = number}, 6'220'800);
+    ASSERT_TRUE(loan);
+    loan.octets().front() = loan.octets().back() = static_cast<std::uint8_t>(number);
+    ASSERT_TRUE(loan.publish());
+    const auto sample = opened->next_in_place(10s);
+    ASSERT_TRUE(sample) << to_string(sample.error());
+    EXPECT_EQ(sample->value.number, number);
+    ASSERT_EQ(sample->octets.size(), 6'220'800U);
+    EXPECT_EQ(sample->octets.front(), number);
+    EXPECT_EQ(sample->octets.back(), number);
+  }
 }
 
 TEST_P(Images, OfALoanThatOutlivesItsServerGoNowhere) {

@@ -89,6 +89,7 @@ class UserConnection final : public media::Connection {
 class CountingWriter final : public media::StreamWriter {
  public:
   explicit CountingWriter(std::atomic<int>& moves) : moves_(moves) {}
+  std::size_t largest() const override { return 0; }
   tl::expected<void, media::SendProblem> publish(ByteView, std::int64_t) override { return {}; }
   tl::expected<std::span<std::byte>, media::SendProblem> lend(std::size_t) override {
     return tl::unexpected(media::SendProblem::TooLarge);

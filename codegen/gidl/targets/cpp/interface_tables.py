@@ -9,6 +9,7 @@ from gidl.model import (
     Attribute,
     Operation,
 )
+from gidl.model.bulk import octets_in_place
 from gidl.model.policy import (
     Access,
     Liveliness,
@@ -80,6 +81,8 @@ class Tables(CallFacts):
             terms.append(f".rate_hz = {float(attribute.stream.rate_hz)!r}")
         if layout.largest:
             terms.append(f".largest = {layout.largest}")
+        if octets_in_place(self._model, attribute.type) and not attribute.optional:
+            terms.append(".bulk = true")
         if attribute.event is not None:
             terms += [".event = true", f".hash = {hex64(layout.hash)}"]
         if attribute.stream.is_open and layout.fingerprint is not None:

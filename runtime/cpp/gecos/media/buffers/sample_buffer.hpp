@@ -43,6 +43,7 @@ class CopyingWriter : public StreamWriter {
  public:
   /// `largest` is the largest size of a sample in bytes.
   explicit CopyingWriter(std::size_t largest) : largest_(largest) {}
+  std::size_t largest() const override { return largest_; }
   tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) override;
   void publish_lent(std::int64_t stamp_ns) override;
 

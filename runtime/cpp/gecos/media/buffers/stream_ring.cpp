@@ -102,8 +102,9 @@ void StreamRingWriter::move_to(StreamMemory memory, std::shared_ptr<void> owner)
   // No other thread writes to the old memory but the borrower of a lent slot, and nobody reads the
   // new memory yet. The lent slot keeps its version 0 in the new memory: it has no sample.
   for (std::uint64_t sequence = oldest_of(memory_, newest_); sequence <= newest_; ++sequence) {
-    std::memcpy(static_cast<void*>(memory.slot(sequence)), memory_.slot(sequence),
-                StreamMemory::slot_bytes(memory_.largest));
+    const Word* const from = memory_.slot(sequence);
+    const std::uint64_t size = from[2].load(std::memory_order_relaxed);
+    std::memcpy(static_cast<void*>(memory.slot(sequence)), from, 8 * sample_at + size);
   }
   memory.newest().store(memory_.newest().load(std::memory_order_relaxed),
                         std::memory_order_relaxed);

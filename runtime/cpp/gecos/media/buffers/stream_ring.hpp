@@ -60,6 +60,7 @@ class StreamRingWriter : public StreamWriter {
  public:
   /// `owner` keeps `memory` alive. @pre all bytes of `memory` are zero.
   StreamRingWriter(StreamMemory memory, std::shared_ptr<void> owner);
+  std::size_t largest() const override { return memory_.largest; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override;
   tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) override;
   void publish_lent(std::int64_t stamp_ns) override;

@@ -51,6 +51,41 @@ constexpr int most_looks = 1024;
 
 }  // namespace
 
+bool ReadPosition::latest(StreamCore& stream) {
+  if (copied_) return stream.latest(sample_);
+  RawLent lent;
+  if (!lend_latest(stream, lent)) return false;
+  sample_.bytes.assign(lent.bytes.begin(), lent.bytes.end());
+  sample_.stamp_ns = lent.stamp_ns;
+  sample_.measured = lent.measured;
+  sample_.age = lent.age;
+  copied_ = lent.intact();
+  return copied_;
+}
+
+tl::expected<void, StreamEnd> ReadPosition::next(StreamCore& stream, TimePoint deadline) {
+  auto got = stream.next(sample_, deadline);
+  copied_ = copied_ || got;
+  return got;
+}
+
+bool ReadPosition::lend_latest(StreamCore& stream, RawLent& into) {
+  into.sequence = sample_.sequence;
+  const bool got = stream.lend_latest(into);
+  copied_ = copied_ && into.sequence == sample_.sequence;
+  sample_.sequence = into.sequence;
+  return got;
+}
+
+tl::expected<void, StreamEnd> ReadPosition::lend_next(StreamCore& stream, RawLent& into,
+                                                      TimePoint deadline) {
+  into.sequence = sample_.sequence;
+  const auto got = stream.lend_next(into, deadline);
+  copied_ = copied_ && into.sequence == sample_.sequence;
+  sample_.sequence = into.sequence;
+  return got;
+}
+
 ClientStream::ClientStream(std::shared_ptr<ClientConnection> session,
                            const StreamDescription& stream,
                            std::unique_ptr<media::StreamReader> reader, std::uint64_t newest,

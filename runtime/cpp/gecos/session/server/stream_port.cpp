@@ -14,6 +14,14 @@ constexpr std::size_t usual_depth = 16;
 constexpr const char* still_lent =
     "the memory of its next sample is lent; publish the loan or let it end first";
 
+/// The memory that the samples of a stream may take if its `depth` is not declared, in bytes.
+constexpr std::size_t usual_memory = std::size_t{256} << 20;
+
+std::size_t depth_of(const StreamDescription& stream) {
+  if (stream.quality.depth != 0) return stream.quality.depth;
+  return std::clamp<std::size_t>(usual_memory / (stream.largest + 1), 1, usual_depth);
+}
+
 std::size_t largest_of(const StreamDescription& stream) {
   return stream.largest != 0 ? stream.largest : unbounded_sample;
 }
@@ -42,9 +50,15 @@ tl::expected<media::StreamWriter*, std::string> StreamPort::writer_for(media::Ac
   const std::string_view medium = acceptor.capabilities().name;
   if (const auto found = writers_.find(medium); found != writers_.end()) return found->second.get();
   const std::size_t largest = largest_of(stream_);
-  const std::size_t depth = stream_.quality.depth != 0 ? stream_.quality.depth : usual_depth;
   try {
-    auto made = acceptor.make_stream(largest + measured_bytes, depth);
+    auto made = acceptor.make_stream(largest + measured_bytes, depth_of(stream_));
+    if (stream_.bulk && made->largest() < largest + measured_bytes) {
+      return tl::unexpected(named() + " has samples of up to " + std::to_string(largest) +
+                            " bytes, and " + std::string(medium) + " carries at most " +
+                            std::to_string(made->largest() - measured_bytes) +
+                            "; read it on the host of its server, or reduce the bound of its "
+                            "@bulk sequence");
+    }
     // The number of the newest sample is the same over all media. A session that moves to another
     // medium goes on reading after the number that it has read last.
     if (const std::uint64_t newest = newest_number(); newest != 0) {
@@ -101,6 +115,7 @@ void StreamPort::distribute(const media::StreamWriter* written) {
 
 tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
   const MutexLock lock(mutex_);
+  if (closed_) return LentMemory{};
   if (lent_.first != nullptr) return tl::unexpected(std::string(still_lent));
   if (const std::size_t largest = largest_of(stream_); size > largest) {
     ++dropped_;
@@ -212,6 +227,7 @@ void StreamPort::move_on(std::string_view medium) {
 
 void StreamPort::close() {
   const MutexLock lock(mutex_);
+  closed_ = true;
   lent_ = {};
   latest_in_ = nullptr;
   kept_ = false;

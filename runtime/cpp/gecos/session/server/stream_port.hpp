@@ -35,7 +35,7 @@ class StreamPort {
   void publish(ByteView sample, const SampleTime& time);
   /// Lends memory of `size` bytes for the next sample. The memory is that of a medium whose readers
   /// read it in place, if there is one with a subscription; otherwise it is private, and its sample
-  /// is copied for each medium. Fails with the reason if the sample is too large, or while other
+  /// is copied for each medium. Lends nothing after close(). Fails with the reason if the sample is too large, or while other
   /// memory of this stream is lent.
   tl::expected<LentMemory, std::string> lend(std::size_t size);
   /// Publishes the sample in `memory`, which lend() returned. Returns false if the stream over its
@@ -97,6 +97,7 @@ class StreamPort {
   Lent lent_ GECOS_GUARDED_BY(mutex_);
   std::int64_t latest_stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
   bool kept_ GECOS_GUARDED_BY(mutex_) = false;  ///< latest() is for readers that come later
+  bool closed_ GECOS_GUARDED_BY(mutex_) = false;
   bool complained_ GECOS_GUARDED_BY(mutex_) = false;
   std::uint64_t samples_ GECOS_GUARDED_BY(mutex_) = 0;
   std::uint64_t bytes_ GECOS_GUARDED_BY(mutex_) = 0;    ///< of the values of all samples
