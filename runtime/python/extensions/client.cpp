@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "bind.hpp"
+#include "buffer.hpp"
 #include "bytes.hpp"
 #include "dynamic_description.hpp"
 #include "gecos/binding.hpp"
@@ -276,22 +277,51 @@ nb::str loss_text(const StreamHandle& self) {
   return nb::str(core == nullptr ? "" : core->loss_text().c_str());
 }
 
-nb::object latest(StreamHandle& self) {
-  const auto core = self.get();
-  if (core == nullptr) return nb::none();
-  if (core->latest(self.sample())) return as_tuple(self.sample());
-  if (core->lost()) return nb::str(core->revoked() ? "revoked" : "lost");
-  return nb::none();
+nb::tuple as_tuple(session::RawLent sample) {
+  const auto sequence = sample.sequence;
+  const auto stamp_ns = sample.stamp_ns;
+  const auto measured = sample.measured.time_since_epoch().count();
+  return nb::make_tuple(nb::cast(LentHandle{std::move(sample)}), sequence, stamp_ns, measured);
 }
 
-nb::object next(StreamHandle& self, std::optional<double> timeout) {
+/// Returns the sample that `read` gets, a tuple; else None, or how the stream was lost.
+nb::object latest_by(StreamHandle& self, FunctionRef<nb::object(session::StreamCore&)> read) {
+  const auto core = self.get();
+  if (core == nullptr) return nb::none();
+  nb::object sample = read(*core);
+  if (sample.is_none() && core->lost()) return nb::str(core->revoked() ? "revoked" : "lost");
+  return sample;
+}
+
+nb::object latest(StreamHandle& self) {
+  return latest_by(self, [&](session::StreamCore& core) -> nb::object {
+    if (!self.position().latest(core)) return nb::none();
+    return as_tuple(self.position().sample());
+  });
+}
+
+nb::object latest_in_place(StreamHandle& self) {
+  return latest_by(self, [&](session::StreamCore& core) -> nb::object {
+    session::RawLent lent;
+    if (!self.position().lend_latest(core, lent)) return nb::none();
+    return as_tuple(std::move(lent));
+  });
+}
+
+using Got = tl::expected<void, StreamEnd>;
+
+/// Waits for a sample, which `read` reads without the GIL. Returns what `given` makes of it, or
+/// why there is none.
+nb::object next_by(StreamHandle& self, std::optional<double> timeout,
+                   FunctionRef<Got(session::StreamCore&, TimePoint)> read,
+                   FunctionRef<nb::tuple()> given) {
   auto core = self.get();
   if (core == nullptr) return nb::str("closed");
-  tl::expected<void, StreamEnd> got = tl::unexpected(StreamEnd::Nothing);
+  Got got = tl::unexpected(StreamEnd::Nothing);
   wait_in_slices(
       timeout,
       [&](TimePoint until) {
-        got = core->next(self.sample(), until);
+        got = read(*core, until);
         return got || got.error() != StreamEnd::Nothing;
       },
       [&] { return self.get() == nullptr; });  // another thread closed the stream
@@ -299,7 +329,7 @@ nb::object next(StreamHandle& self, std::optional<double> timeout) {
     without_gil([last = std::move(core)]() mutable { last.reset(); });
     return nb::str("closed");
   }
-  if (got) return as_tuple(self.sample());
+  if (got) return given();
   switch (got.error()) {
     case StreamEnd::Nothing:
       return nb::str("nothing");
@@ -311,6 +341,23 @@ nb::object next(StreamHandle& self, std::optional<double> timeout) {
       return nb::str("late");
   }
   return nb::str("lost");
+}
+
+nb::object next(StreamHandle& self, std::optional<double> timeout) {
+  return next_by(
+      self, timeout,
+      [&](session::StreamCore& core, TimePoint until) { return self.position().next(core, until); },
+      [&] { return as_tuple(self.position().sample()); });
+}
+
+nb::object next_in_place(StreamHandle& self, std::optional<double> timeout) {
+  session::RawLent lent;
+  return next_by(
+      self, timeout,
+      [&](session::StreamCore& core, TimePoint until) {
+        return self.position().lend_next(core, lent, until);
+      },
+      [&] { return as_tuple(std::move(lent)); });
 }
 
 double seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
@@ -463,6 +510,8 @@ void bind_client(nb::module_& module) {
       .def_prop_ro("after", [](const StreamHandle& self) { return self.get()->after(); })
       .def("latest", &latest)
       .def("next", &next, nb::arg("timeout").none())
+      .def("latest_in_place", &latest_in_place)
+      .def("next_in_place", &next_in_place, nb::arg("timeout").none())
       .def("counts", &counts)
       .def("alive",
            [](const StreamHandle& self) {
@@ -471,6 +520,9 @@ void bind_client(nb::module_& module) {
            })
       .def("loss_text", &loss_text)
       .def("close", &StreamHandle::close);
+
+  nb::class_<LentHandle>(module, "LentSample", nb::type_slots(BufferSlots<LentHandle>::slots))
+      .def("intact", [](const LentHandle& self) { return self.sample.intact(); });
 
   nb::class_<WriterHandle>(module, "Writer")
       .def("send", &send, nb::arg("sample"), nb::arg("stamp_ns").none())

@@ -93,6 +93,7 @@ StreamDescription stream_of(nb::handle table, OwnedDescription& owner) {
   stream.status = enumerator(table, "access", access::Status::Master);
   stream.rate_hz = field<double>(table, "rate_hz");
   stream.largest = field<std::size_t>(table, "largest");
+  stream.bulk = field<bool>(table, "bulk");
   stream.event = field<bool>(table, "event");
   stream.hash = field<std::uint64_t>(table, "hash");
   stream.open_fingerprint = field<std::optional<std::uint64_t>>(table, "open_fingerprint");

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -149,9 +150,8 @@ class CommandHandle {
 
 class StreamHandle {
  public:
-  explicit StreamHandle(std::shared_ptr<session::StreamCore> core) : core_(std::move(core)) {
-    sample_.sequence = core_->after().value_or(0);
-  }
+  explicit StreamHandle(std::shared_ptr<session::StreamCore> core)
+      : core_(std::move(core)), position_(core_->after().value_or(0)) {}
   StreamHandle(StreamHandle&&) = default;
   ~StreamHandle() { drop(core_, owner_); }
 
@@ -160,8 +160,7 @@ class StreamHandle {
     owner_.demand("this stream");
     return core_;
   }
-  /// Returns the buffer for samples. Each read uses the memory of this buffer again.
-  session::RawSample& sample() { return sample_; }
+  session::ReadPosition& position() { return position_; }
   /// Returns the counts of the samples so far; after `close`, the counts at the time of `close`.
   /// Throws in a forked child.
   qos::StreamCounts counts() const {
@@ -176,8 +175,18 @@ class StreamHandle {
  private:
   Owner owner_;
   std::shared_ptr<session::StreamCore> core_;
-  session::RawSample sample_;
+  session::ReadPosition position_;
   qos::StreamCounts last_counts_;
+};
+
+/// A sample that Python reads in place. It needs no thread of the parent, so a forked child may
+/// read it, too.
+struct LentHandle {
+  session::RawLent sample;
+  std::span<std::byte> buffer() const {
+    return {const_cast<std::byte*>(sample.bytes.data()), sample.bytes.size()};
+  }
+  static constexpr bool writable = false;
 };
 
 class WriterHandle {

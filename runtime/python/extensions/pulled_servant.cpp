@@ -86,6 +86,19 @@ bool PulledServant::publish(FunctionCode code, ByteView sample, std::int64_t sta
   return true;
 }
 
+tl::expected<Loan, std::string> PulledServant::lend(FunctionCode code, ByteView head,
+                                                    std::size_t octets, ByteView tail) {
+  const StreamDescription* const stream = interface_.find_stream(code);
+  if (stream == nullptr) return tl::unexpected<std::string>("the interface has no such stream");
+  const std::size_t counted = head.size() - 4;  // put_bulk() writes the count at the end of `head`
+  return gecos_lend(*stream, {head.size() + octets + tail.size(), octets, octets},
+                    [&](wire::Encoder& to) {
+                      to.put_bytes(head.first(counted));
+                      to.put_bulk({});
+                      to.put_bytes(tail);
+                    });
+}
+
 bool PulledServant::with_inward(FunctionCode code,
                                 FunctionRef<void(session::InwardCore&)> use) const {
   const InwardDescription* const stream = interface_.find_inward_stream(code);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bind.hpp"
+#include "buffer.hpp"
 #include "bytes.hpp"
 #include "dynamic_description.hpp"
 #include "gecos/base/log.hpp"
@@ -50,6 +51,37 @@ class CallHandle {
   const Owner owner_;
   FunctionCode code_;
   std::optional<IncomingCall> call_;
+};
+
+/// A loan that Python fills. A loan that a forked child inherits is not its own to give back.
+class LoanHandle {
+ public:
+  LoanHandle(std::shared_ptr<PulledServant> servant, Loan loan)
+      : servant_(std::move(servant)),
+        memory_(loan.owner()),
+        octets_(loan.octets()),
+        loan_(std::make_unique<Loan>(std::move(loan))) {}
+  LoanHandle(LoanHandle&&) = default;
+  ~LoanHandle() { give_back(); }
+
+  std::span<std::byte> buffer() const { return std::as_writable_bytes(octets_); }
+  static constexpr bool writable = true;
+  bool publish(std::optional<std::int64_t> stamp_ns) {
+    owner_.demand("this loan");
+    return loan_->publish(stamp_ns.value_or(measured_now));
+  }
+  void give_back() {
+    if (loan_ == nullptr) return;
+    if (owner_.inherited()) return static_cast<void>(loan_.release());
+    *loan_ = Loan();
+  }
+
+ private:
+  Owner owner_;
+  std::shared_ptr<PulledServant> servant_;  ///< must outlive the loan
+  std::shared_ptr<void> memory_;  ///< which a view may use after the end of the loan
+  std::span<std::uint8_t> octets_;
+  std::unique_ptr<Loan> loan_;
 };
 
 class ServantHandle {
@@ -116,6 +148,16 @@ class ServantHandle {
                            stamp_ns.value_or(measured_now))) {
       throw nb::key_error("no stream of the interface has this code");
     }
+  }
+
+  LoanHandle lend(std::uint32_t code, const nb::bytes& head, std::size_t octets,
+                  const nb::bytes& tail) {
+    owner_.demand("this servant");
+    if (head.size() < 4) throw nb::value_error("the head has no count");
+    auto lent = servant_->lend(FunctionCode{code}, from_python(head), octets, from_python(tail));
+    if (!lent) throw nb::value_error(lent.error().c_str());
+    if (!*lent) throw nb::value_error("the servant is not served");
+    return LoanHandle(servant_, *std::move(lent));
   }
 
  private:
@@ -307,6 +349,8 @@ void bind_server(nb::module_& module) {
       .def("next", &ServantHandle::next, nb::arg("lane"))
       .def("publish", &ServantHandle::publish, nb::arg("code"), nb::arg("sample"),
            nb::arg("stamp_ns").none())
+      .def("lend", &ServantHandle::lend, nb::arg("code"), nb::arg("head"), nb::arg("octets"),
+           nb::arg("tail"))
       .def("next_inward", &ServantHandle::next_inward, nb::arg("code"), nb::arg("only_commands"))
       .def("unreadable", &ServantHandle::unreadable, nb::arg("code"), nb::arg("session"),
            nb::arg("why"))
@@ -314,6 +358,10 @@ void bind_server(nb::module_& module) {
       .def("inward_report", &ServantHandle::inward_report, nb::arg("code"))
       .def("begin_feeding", &ServantHandle::begin_feeding, nb::arg("code"), nb::arg("call"))
       .def("end_feeding", &ServantHandle::end_feeding, nb::arg("code"), nb::arg("feeding"));
+
+  nb::class_<LoanHandle>(module, "Loan", nb::type_slots(BufferSlots<LoanHandle>::slots))
+      .def("publish", &LoanHandle::publish, nb::arg("stamp_ns").none())
+      .def("give_back", &LoanHandle::give_back);
 
   nb::class_<CallHandle>(module, "IncomingCall")
       .def_prop_ro("code", &CallHandle::code)

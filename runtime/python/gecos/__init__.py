@@ -65,6 +65,8 @@ if TYPE_CHECKING:
     from gecos.errors import UnobservedCommandWarning as UnobservedCommandWarning
     from gecos.execution import Caller as Caller
     from gecos.execution import Execution as Execution
+    from gecos.in_place import Loan as Loan
+    from gecos.in_place import SampleInPlace as SampleInPlace
     from gecos.inward import Inward as Inward
     from gecos.inward import InwardSample as InwardSample
     from gecos.lab import Lab as Lab
@@ -98,6 +100,7 @@ _NAMES = {
     "Detail DroppedLeaseWarning Interrupted LeaseRefused Rejected ServeError State StreamLost "
     "StreamRevoked UnobservedCommandWarning",
     "execution": "Caller Execution",
+    "in_place": "Loan SampleInPlace",
     "inward": "Inward InwardSample",
     "lab": "Lab",
     "lease": "Lease actor master",

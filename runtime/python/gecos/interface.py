@@ -16,6 +16,7 @@ from typing import Any, Generic, TypeVar
 from gecos.errors import DeclaredError
 from gecos.record import Record, replace
 from gecos.wire import Decoder, Parts
+from gecos.wire.in_place import OctetsInPlace
 from gecos.wire.kinds import Kind as Carried
 from gecos.wire.kinds import Nested, kind_of
 from gecos.wire.layout import Step
@@ -126,6 +127,7 @@ class OutwardStream(Record, kw_only=True):
     event: bool = False  # each sample is an occurrence: readers start after the subscription
     hash: int = 0  # of an event; the hash of a stream is that of the operation
     open_fingerprint: int | None = None  # LCM fingerprint of the samples of an @open_stream
+    bulk: bool = False  # True if samples have @bulk octets, which can be written in place
     quality: Quality = ASKED_NOTHING
 
 
@@ -201,6 +203,7 @@ class Method(Record, Generic[T, F]):
     reports: type | None = None  # type of the feedback; None: not known, or no feedback
     gives: Carried | None = None  # layout of the result; None: not known, or no result
     named: str = "result"  # name of the result in JSON
+    in_place: OctetsInPlace | None = None  # None: samples are not written in place
 
     def plain_result(self, value: T) -> dict[str, Any]:
         """Converts a result to types that the module `json` can dump: {"result": 0.25}, or all
@@ -265,12 +268,14 @@ def method(
     stream: tuple[float, int] | None = None,
     open_fingerprint: int | None = None,
     handler: str = "",
+    in_place: str = "",
 ) -> Method[Any, Any]:
     """Builds the `Method` of an operation. If an `out` parameter is the only result, `named` is its
     name. If the result is also published as a stream, `stream` is the rate of the stream in Hz and
     the size of its largest sample in bytes (0: unbounded). `open_fingerprint` is the LCM
     fingerprint of the samples of an open stream. `handler` is the name of the servant's method, if
-    it differs from the name of the operation."""
+    it differs from the name of the operation. `in_place` is the member of which the octets can be
+    written and read in place."""
     name, sender = operation.name, operation.name.removesuffix("=")
     result, body = (nothing, no_result) if gives is None else _answer(kind_of(gives), name)
     outward = None
@@ -286,8 +291,13 @@ def method(
             rate_hz=rate,
             largest=largest,
             open_fingerprint=open_fingerprint,
+            bulk=bool(in_place),
             quality=asked,
         )
+    given = None if gives is None else kind_of(gives)
+    octets = None
+    if in_place and isinstance(given, Nested):
+        octets = OctetsInPlace(given.layout, in_place)
     arguments = _NO_VALUES if takes is None else Arguments(sender, *takes)
     return Method(
         operation,
@@ -300,8 +310,9 @@ def method(
         outward,
         handler or (name if name == sender else f"set_{sender}"),
         feedback,
-        None if gives is None else kind_of(gives),
+        given,
         named,
+        octets,
     )
 
 

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from gecos_idl.object_ref_types import ObjectRef
 
     from gecos import _core
+    from gecos.wire.in_place import OctetsInPlace
 
 T = TypeVar("T")
 F = TypeVar("F")
@@ -132,8 +133,9 @@ class StreamAttribute(Generic[T]):
 
     def stream(self) -> Stream[T]:
         """Subscribes to the attribute. Raises ConnectionFailed or CommandFailed if this fails."""
-        operation = self._method.operation
-        return _subscribed(self._object, operation.code, operation.name, self._method.result)
+        method = self._method
+        code, name = method.operation.code, method.operation.name
+        return _subscribed(self._object, code, name, method.result, method.in_place)
 
 
 class Event(Generic[T]):
@@ -165,7 +167,13 @@ class Event(Generic[T]):
         return _subscribed(self._object, event.stream.code, event.stream.name, event.result)
 
 
-def _subscribed(owner: Object, code: int, name: str, decode: Callable[[Decoder], T]) -> Stream[T]:
+def _subscribed(
+    owner: Object,
+    code: int,
+    name: str,
+    decode: Callable[[Decoder], T],
+    in_place: OctetsInPlace | None = None,
+) -> Stream[T]:
     session = owner._gecos_session
     opened = session.subscribe(code)
     name = f"{session.object_name}.{name}"
@@ -174,7 +182,7 @@ def _subscribed(owner: Object, code: int, name: str, decode: Callable[[Decoder],
         if detail.state is State.CONNECTION_FAILED:
             raise ConnectionFailed(detail, text)
         raise CommandFailed(detail, text)
-    return Stream(opened, decode, name)
+    return Stream(opened, decode, name, in_place)
 
 
 def reference(proxy: Object) -> ObjectRef:

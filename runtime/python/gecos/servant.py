@@ -27,7 +27,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from gecos import interface
 from gecos.errors import ServeError
-from gecos.interface import Handler, Interface
+from gecos.in_place import Loan
+from gecos.interface import Handler, Interface, Method
 from gecos.inward import Inward
 from gecos.wire import Parts
 
@@ -62,9 +63,22 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare the abstract methods
 
     def _gecos_publish(self, code: int, sample: Parts, stamp: float | None) -> None:
         if self._gecos_core is None:
-            raise ServeError(
-                f"{self._gecos_interface.name}: a servant cannot publish while it is not served; "
-                "add it to a gecos.Server first (a closed server serves nothing)"
-            )
+            raise _not_served(self)
         stamp_ns = None if stamp is None else round(stamp * 1e9)
         self._gecos_core.publish(code, b"".join(sample), stamp_ns)
+
+    def _gecos_lend(self, method: Method[T, None], value: T, octets: int) -> Loan:
+        assert method.in_place is not None
+        if self._gecos_core is None:
+            raise _not_served(self)
+        if octets < 0:
+            raise ValueError(f"{method.operation.name}: {octets} octets; give 0 or more")
+        head, tail = method.in_place.encode(value, octets)
+        return Loan(self._gecos_core.lend(method.operation.code, head, octets, tail))
+
+
+def _not_served(servant: Servant) -> ServeError:
+    return ServeError(
+        f"{servant._gecos_interface.name}: a servant cannot publish while it is not served; "
+        "add it to a gecos.Server first (a closed server serves nothing)"
+    )

@@ -4,20 +4,23 @@ sample in order."""
 from __future__ import annotations
 
 import contextlib
+import copy
 import threading
 import time
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Iterator
 from dataclasses import dataclass, replace
 from types import TracebackType
-from typing import TYPE_CHECKING, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 
 from gecos.errors import DeadlineMissed, StreamLost, StreamRevoked
+from gecos.in_place import SampleInPlace
 from gecos.wire import DecodeError, Decoder
 
 if TYPE_CHECKING:
     from gecos import _core
     from gecos.reader import Turn
+    from gecos.wire.in_place import OctetsInPlace
 
 T = TypeVar("T")
 _MOMENT = 0.01  # s for which one attempt waits for the stream's lock
@@ -70,8 +73,15 @@ class Stream(Generic[T]):
     before.
     """
 
-    def __init__(self, core: _core.Stream, decode: Callable[[Decoder], T], name: str) -> None:
+    def __init__(
+        self,
+        core: _core.Stream,
+        decode: Callable[[Decoder], T],
+        name: str,
+        in_place: OctetsInPlace | None = None,
+    ) -> None:
         self._core = core
+        self._octets = in_place
         self._decode = decode
         self._name = name
         self._reading = threading.Lock()
@@ -97,6 +107,41 @@ class Stream(Generic[T]):
         is noticed only after 1.3 s. Until then, only `age` shows that no new samples arrive. Raises
         RuntimeError while another thread or task waits in `next` of the same stream.
         """
+        with self._turn_to_look():
+            raw = self._core.latest()
+            if isinstance(raw, str):
+                raise self._lost(raw)
+            return None if raw is None else self._sample(*raw)
+
+    def latest_in_place(self) -> SampleInPlace[T] | None:
+        """Returns the newest sample as `latest` does, but without a copy of its @bulk octets.
+        Raises TypeError if the samples of this stream have none, or several @bulk members."""
+        self._need_octets()
+        with self._turn_to_look():
+            raw = self._core.latest_in_place()
+            if isinstance(raw, str):
+                raise self._lost(raw)
+            return None if raw is None else self._in_place(*raw)
+
+    def next_in_place(self, timeout: float | None = None) -> SampleInPlace[T]:
+        """Returns the next unread sample as `next` does, but without a copy of its @bulk octets.
+        Raises TypeError as `latest_in_place` does."""
+        self._need_octets()
+        sample = self._next(timeout, None, self._core.next_in_place, self._in_place)
+        if sample is None:
+            raise EOFError(f"stream {self._name} was closed")
+        return sample if isinstance(sample, SampleInPlace) else self._as_in_place(sample)
+
+    def _need_octets(self) -> None:
+        if self._octets is None:
+            raise TypeError(
+                f"stream {self._name} is not read in place: its samples have no @bulk "
+                "sequence<octet>, or several @bulk members; use next() or latest()"
+            )
+
+    @contextlib.contextmanager
+    def _turn_to_look(self) -> Iterator[None]:
+        """Lets this thread read what does not wait for a sample."""
         while self._occupied() or not self._reading.acquire(timeout=_MOMENT):
             if self._occupied():
                 raise RuntimeError(
@@ -105,10 +150,7 @@ class Stream(Generic[T]):
                 )
         try:
             self._look_back()
-            raw = self._core.latest()
-            if isinstance(raw, str):
-                raise self._lost(raw)
-            return None if raw is None else self._sample(*raw)
+            yield
         finally:
             self._reading.release()
 
@@ -121,7 +163,7 @@ class Stream(Generic[T]):
         was closed, and StreamLost if the server is gone or the Lab was closed. Loops over the
         stream do not raise DeadlineMissed, and go on.
         """
-        sample = self._next(timeout)
+        sample: Sample[T] | None = self._next(timeout)
         if sample is None:
             raise EOFError(f"stream {self._name} was closed")
         return sample
@@ -177,7 +219,15 @@ class Stream(Generic[T]):
         self._closed = True
         self._core.close()
 
-    def _next(self, timeout: float | None, turn: Turn[T] | None = None) -> Sample[T] | None:
+    def _next(
+        self,
+        timeout: float | None,
+        turn: Turn[T] | None = None,
+        wait: Callable[[float | None], Any] | None = None,
+        made: Callable[..., Any] | None = None,
+    ) -> Any:
+        """Returns the next sample, which `wait` reads and `made` decodes; None after `close()`."""
+        wait, made = wait or self._core.next, made or self._sample
         end = None if timeout is None else time.monotonic() + timeout
         patience = -1 if timeout is None else min(max(0.0, timeout), threading.TIMEOUT_MAX)
         if not self._reading.acquire(timeout=patience):
@@ -190,7 +240,7 @@ class Stream(Generic[T]):
             sample = self._returned_one()
             left = None if end is None else max(0.0, end - time.monotonic())
             while sample is None:
-                raw = self._core.next(left)
+                raw = wait(left)
                 if raw == "closed":
                     return None
                 if raw in ("lost", "revoked"):
@@ -202,7 +252,7 @@ class Stream(Generic[T]):
                     )
                 if raw == "nothing":
                     break
-                sample = self._sample(*raw)
+                sample = made(*raw)
                 if sample is None and end is not None and (left := end - time.monotonic()) <= 0:
                     break
             if sample is not None:
@@ -263,15 +313,9 @@ class Stream(Generic[T]):
         try:
             value = self._decode(Decoder(raw))
         except DecodeError:
-            self._unreadable += sequence != self._last_unreadable
-            self._last_unreadable = sequence
+            self._note_unreadable(sequence)
             return None
-        lost = self._unread.lost if self._unread is not None else 0
-        if sequence != self._read:
-            lost += self._missed + (self._unread is not None)
-            lost += 0 if self._read is None else sequence - self._read - 1
-            self._missed = 0
-        self._read, self._unread, self._measured_ns = sequence, None, measured_ns
+        lost = self._note_read(sequence, measured_ns)
         return Sample(
             value=value,
             sequence=sequence,
@@ -279,6 +323,48 @@ class Stream(Generic[T]):
             stamp=stamp_ns * 1e-9,
             age=_age(measured_ns),
         )
+
+    def _in_place(
+        self, memory: _core.LentSample, sequence: int, stamp_ns: int, measured_ns: int
+    ) -> SampleInPlace[T] | None:
+        assert self._octets is not None
+        try:
+            value, octets = self._octets.decode(memoryview(memory))
+        except DecodeError:
+            if memory.intact():  # else it was overwritten meanwhile
+                self._note_unreadable(sequence)
+            return None
+        if not memory.intact():
+            return None
+        lost = self._note_read(sequence, measured_ns)
+        return SampleInPlace(
+            value, octets, sequence, lost, stamp_ns * 1e-9, _age(measured_ns), memory
+        )
+
+    def _as_in_place(self, sample: Sample[T]) -> SampleInPlace[T]:
+        """Converts a sample that a cancelled reader has returned."""
+        assert self._octets is not None
+        name = self._octets.attribute
+        octets = memoryview(getattr(sample.value, name))
+        value = copy.copy(sample.value)
+        setattr(value, name, b"")
+        return SampleInPlace(
+            value, octets, sample.sequence, sample.lost, sample.stamp, sample.age, None
+        )
+
+    def _note_unreadable(self, sequence: int) -> None:
+        self._unreadable += sequence != self._last_unreadable
+        self._last_unreadable = sequence
+
+    def _note_read(self, sequence: int, measured_ns: int) -> int:
+        """Returns the number of samples that were lost before this one."""
+        lost = self._unread.lost if self._unread is not None else 0
+        if sequence != self._read:
+            lost += self._missed + (self._unread is not None)
+            lost += 0 if self._read is None else sequence - self._read - 1
+            self._missed = 0
+        self._read, self._unread, self._measured_ns = sequence, None, measured_ns
+        return lost
 
 
 def _age(measured_ns: int) -> float:

@@ -48,6 +48,8 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
         modules["gecos.interface"].update(private(["Method", "method"]))
     if any(member.is_stream for member in members):
         modules["gecos.proxy"].update(private(["StreamAttribute"]))
+    if any(publisher.lends for view in views for publisher in view.publishers):
+        modules.setdefault("gecos.in_place", set()).update(private(["Loan"]))
     if any(view.inward for view in views):
         modules["gecos.interface"].update([*private(["inward"]), "Inward as _InwardTable"])
         modules.setdefault("gecos.writer", set()).update(private(["InwardAttribute"]))

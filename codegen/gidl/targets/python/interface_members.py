@@ -122,6 +122,7 @@ class Members(Tables):
             self._in_class("float | None"),
             f"0x{getter.code:08X}",
             self._constant(getter),
+            names.lender(attribute.name) if self._in_place(attribute) else "",
         )
 
     def _event(self, event: Attribute) -> EventView:
@@ -143,6 +144,7 @@ class Members(Tables):
             self._in_class("float | None"),
             f"0x{self._layout.stream(event.scoped_name).code:08X}",
             self._event_constant(event),
+            "",
         )
 
     def _event_constant(self, event: Attribute) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import Attribute, Operation
+from gidl.model.bulk import octets_in_place
 from gidl.model.policy import Liveliness, OnDegraded, OnLoss, OnNew, Qos, QualityClass, Reliability
 from gidl.targets.calls import first_missing, short_name
 from gidl.targets.groups import call, group
@@ -51,6 +52,8 @@ class Tables(CallFacts):
         if getter and isinstance(member, Attribute) and member.streams_out:
             terms.append(f"stream={self._stream(member)}")
             terms += self._openness(member)
+            if name := self._in_place(member):
+                terms.append(f"in_place={quoted(name)}")
         called = self._method_name(layout)
         short = short_name(layout)
         expected = f"set_{short[:-1]}" if short.endswith("=") else short
@@ -74,6 +77,12 @@ class Tables(CallFacts):
         assert attribute.stream is not None
         largest = self._layout.stream(attribute.scoped_name).largest or 0
         return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])
+
+    def _in_place(self, attribute: Attribute) -> str:
+        """Returns the name of the member of which the octets are written in place; "" if samples
+        of the attribute are not."""
+        member = octets_in_place(self._model, attribute.type)
+        return "" if member is None or attribute.optional else member.name
 
     def _openness(self, attribute: Attribute) -> list[str]:
         """Returns the argument with the fingerprint of the samples of an open stream. The list is

@@ -50,6 +50,7 @@ class PublisherView:
     stamp: str
     code: str
     table: str
+    lends: str  # name of the method that lends the memory of the next sample; "" if there is none
 
 
 @dataclass(frozen=True, slots=True)

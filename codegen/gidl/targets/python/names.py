@@ -72,12 +72,16 @@ def publisher(attribute: str) -> str:
     return f"publish_{attribute}"
 
 
+def lender(attribute: str) -> str:
+    return f"lend_{attribute}"
+
+
 def method_names(member: Operation | Attribute) -> Iterator[str]:
     """Yields the names of all methods that the proxy and the servant may have for a member of an
     interface."""
     yield method_name(member.name)
     if isinstance(member, Attribute):
-        yield from (setter(member.name), publisher(member.name))
+        yield from (setter(member.name), publisher(member.name), lender(member.name))
 
 
 def enumerator(name: str) -> str:

@@ -131,39 +131,50 @@ tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
     if (owner == nullptr) continue;
     const auto whole = writer.lend(size + measured_bytes);
     if (!whole) continue;
-    lent_ = {whole->data(), *whole, &writer};
+    lent_.first = whole->data();
+    lent_.whole = *whole;
+    lent_.writer = &writer;
     return LentMemory{whole->first(size), std::move(owner)};
   }
-  auto own = std::make_shared<Bytes>(size + measured_bytes);
-  lent_ = {own->data(), *own, nullptr, own};
-  return LentMemory{lent_.whole.first(size), std::move(own)};
+  // A binding may hold the memory of an earlier loan.
+  if (lent_.own.use_count() != 1) lent_.own = std::make_shared<Bytes>();
+  lent_.own->resize(size + measured_bytes);
+  lent_.first = lent_.own->data();
+  lent_.whole = *lent_.own;
+  return LentMemory{lent_.whole.first(size), lent_.own};
+}
+
+void StreamPort::end_loan() {
+  lent_.first = nullptr;
+  lent_.whole = {};
+  lent_.writer = nullptr;
 }
 
 bool StreamPort::publish_lent(const LentMemory& memory, const SampleTime& time) {
   const MutexLock lock(mutex_);
   if (lent_.first == nullptr || lent_.first != memory.bytes.data()) return false;
-  const Lent lent = std::exchange(lent_, {});
-  write_measured(lent.whole.last<measured_bytes>(), time.measured);
-  latest_in_ = lent.writer;
+  write_measured(lent_.whole.last<measured_bytes>(), time.measured);
+  latest_in_ = lent_.writer;
   latest_stamp_ns_ = time.stamp_ns;
-  if (lent.writer != nullptr) {
-    lent.writer->publish_lent(time.stamp_ns);
+  if (latest_in_ != nullptr) {
+    latest_in_->publish_lent(time.stamp_ns);
   } else {
-    latest_.swap(*lent.own);
+    latest_.assign(lent_.whole.begin(), lent_.whole.end());
   }
+  end_loan();
   count(memory.bytes.size());
-  distribute(lent.writer);
+  distribute(latest_in_);
   return true;
 }
 
 void StreamPort::give_back(const LentMemory& memory) {
   const MutexLock lock(mutex_);
-  if (lent_.first == memory.bytes.data()) lent_ = {};
+  if (lent_.first == memory.bytes.data()) end_loan();
 }
 
 /// Must be called when `ended`, a writer, is about to be destroyed.
 void StreamPort::forget(const media::StreamWriter* ended) {
-  if (lent_.writer == ended) lent_ = {};
+  if (lent_.writer == ended) end_loan();
   if (latest_in_ == ended) {
     latest_in_ = nullptr;
     kept_ = false;
@@ -228,7 +239,7 @@ void StreamPort::move_on(std::string_view medium) {
 void StreamPort::close() {
   const MutexLock lock(mutex_);
   closed_ = true;
-  lent_ = {};
+  end_loan();
   latest_in_ = nullptr;
   kept_ = false;
   writers_.clear();

@@ -64,7 +64,7 @@ class StreamPort {
     const std::byte* first = nullptr;       ///< null if nothing is lent
     std::span<std::byte> whole{};           ///< with the measurement time
     media::StreamWriter* writer = nullptr;  ///< whose memory it is; null if it is `own`
-    std::shared_ptr<Bytes> own{};
+    std::shared_ptr<Bytes> own{};           ///< private memory, which is used again
   };
 
   /// Returns the latest sample with its measurement time. @pre kept_
@@ -72,6 +72,7 @@ class StreamPort {
   void count(std::size_t size) GECOS_REQUIRES(mutex_);
   /// Gives the latest sample to all media but that of `written`.
   void distribute(const media::StreamWriter* written) GECOS_REQUIRES(mutex_);
+  void end_loan() GECOS_REQUIRES(mutex_);
   void forget(const media::StreamWriter* ended) GECOS_REQUIRES(mutex_);
   tl::expected<media::StreamWriter*, std::string> writer_for(media::Acceptor& acceptor)
       GECOS_REQUIRES(mutex_);
