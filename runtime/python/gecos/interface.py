@@ -297,7 +297,7 @@ def method(
     given = None if gives is None else kind_of(gives)
     octets = None
     if in_place and isinstance(given, Nested):
-        octets = OctetsInPlace(given.layout, in_place)
+        octets = OctetsInPlace(given.layout, in_place, name)
     arguments = _NO_VALUES if takes is None else Arguments(sender, *takes)
     return Method(
         operation,

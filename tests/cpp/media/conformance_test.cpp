@@ -758,6 +758,70 @@ TEST_P(Conformance, ASampleIsWrittenIntoLentMemoryAndReadInPlace) {
   EXPECT_TRUE(std::ranges::equal(sample->bytes, bytes_of("a copy")));
 }
 
+TEST_P(Conformance, SamplesAreReadInPlaceInOrderAndOutliveTheirReader) {
+  auto writer = acceptor_->make_stream(64, 3);
+  ASSERT_TRUE(server_.connection->share(1, *writer));
+  auto reader = client_.wait_for_stream(1);
+  ASSERT_NE(reader, nullptr);
+  EXPECT_FALSE(reader->lend_next(0));
+  std::vector<LentSample> held;
+  const auto lend = [&](std::uint64_t after) {
+    EXPECT_TRUE(client_.wait([&] {
+      client_.connection->receive();
+      auto sample = reader->lend_next(after);
+      if (sample) held.push_back(*std::move(sample));
+      return sample.has_value();
+    }));
+  };
+  for (const std::string_view text : {"one", "two", "three"}) {
+    ASSERT_TRUE(writer->publish(bytes_of(text), 7));
+    lend(held.size());
+  }
+  ASSERT_EQ(held.size(), 3u);
+  EXPECT_TRUE(std::ranges::equal(held[0].bytes, bytes_of("one"))) << "several are held";
+  EXPECT_TRUE(std::ranges::equal(held[1].bytes, bytes_of("two")));
+  EXPECT_EQ(held[2].sequence, 3u);
+  EXPECT_EQ(held[2].stamp_ns, 7);
+  EXPECT_FALSE(reader->lend_next(3));
+  reader.reset();
+  client_.connection.reset();
+  server_.connection.reset();
+  writer.reset();
+  for (const LentSample& sample : held) EXPECT_TRUE(sample.intact());
+  EXPECT_TRUE(std::ranges::equal(held[2].bytes, bytes_of("three")));
+}
+
+TEST_P(Conformance, AStreamThatMovesOnTakesItsLoanAndItsSamplesAlong) {
+  const auto writer = acceptor_->make_stream(64, 3);
+  ASSERT_TRUE(server_.connection->share(1, *writer));
+  const auto reader = client_.wait_for_stream(1);
+  ASSERT_NE(reader, nullptr);
+  ASSERT_TRUE(writer->publish(bytes_of("before"), 1));
+  StreamSample sample;
+  ASSERT_TRUE(client_.wait([&] {
+    client_.connection->receive();
+    return reader->latest(0, sample);
+  }));
+  const auto lent = writer->lend(6);
+  ASSERT_TRUE(lent);
+  const auto owner = writer->lent_owner();
+  writer->move_on();
+  std::ranges::copy(bytes_of("during"), lent->begin());
+  writer->publish_lent(2);
+  ASSERT_TRUE(writer->publish(bytes_of("after"), 3));
+  std::vector<std::string> seen;
+  ASSERT_TRUE(wait_ticking(server_, client_, [&] {
+    client_.connection->receive();
+    if (!reader->next(sample.sequence, sample)) return false;
+    seen.push_back(text_of(sample.bytes));
+    return sample.sequence == 3;
+  }));
+  EXPECT_EQ(seen.back(), "after");
+  if (medium_->capabilities().reliable) {
+    EXPECT_EQ(seen, (std::vector<std::string>{"during", "after"}));
+  }
+}
+
 TEST_P(Conformance, AWriterNeverWaitsForAReaderThatHoldsASample) {
   const auto writer = acceptor_->make_stream(16, 2);
   ASSERT_TRUE(server_.connection->share(1, *writer));

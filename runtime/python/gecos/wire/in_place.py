@@ -15,12 +15,14 @@ _size = struct.Struct(">i")
 
 
 class OctetsInPlace:
-    """The codec of a struct without the octets of its member `name`, a `sequence<octet>`."""
+    """The codec of a struct without the octets of its member `name`, a `sequence<octet>`. Messages
+    call the struct `label`."""
 
-    __slots__ = ("_index", "_kind", "_labels", "_layout", "attribute")
+    __slots__ = ("_index", "_kind", "_label", "_labels", "_layout", "attribute")
 
-    def __init__(self, layout: StructLayout, name: str) -> None:
+    def __init__(self, layout: StructLayout, name: str, label: str) -> None:
         self._layout = layout
+        self._label = label
         self._index = list(layout.names).index(name)
         self.attribute = layout.attributes[self._index]  # its Python name
         self._labels = [f"{layout.label}.{each}" for each in layout.names]
@@ -52,7 +54,7 @@ class OctetsInPlace:
         layout = self._layout
         source = Decoder(sample)
         if layout.in_block:
-            source = source.block(layout.label)
+            source = source.block(self._label)
         values: list[Any] = []
         required = len(layout.kinds) - len(layout.defaults)
         octets = sample[:0]
