@@ -46,7 +46,6 @@ def test_each_term_that_does_not_act_is_named_where_it_is_written(
 ) -> None:
     assert main(["check", "a.gidl"]) == 0
     assert terms(capsys.readouterr().err) == {
-        (1, "@bulk"),
         (2, "@qos(latency)"),
         (4, "@idempotent"),
         (5, "@bulk"),
@@ -55,6 +54,29 @@ def test_each_term_that_does_not_act_is_named_where_it_is_written(
         (10, "@qos(reliability)"),
         (12, "@qos(deadline)"),
     }
+
+
+@pytest.mark.parametrize(
+    "members",
+    [
+        "@bulk sequence<double> points;",
+        "@bulk octet pixels[8];",
+        "@optional @bulk sequence<octet> pixels;",
+        "@max(9) @bulk sequence<octet> pixels;",
+        "@bulk sequence<octet> left; @bulk sequence<octet> right;",
+        "@bulk sequence<octet> pixels; sequence<Inner> parts;",
+    ],
+)
+def test_bulk_acts_only_on_the_one_octet_sequence_of_the_struct_of_a_stream(
+    here: Path, capsys: pytest.CaptureFixture[str], members: str
+) -> None:
+    (here / "b.gidl").write_text(
+        "@final struct Inner { @bulk sequence<octet> raw; };\n"
+        f"@final struct Image {{ {members} }};\n"
+        "interface Camera { @sensor @stream readonly attribute Image state; };\n"
+    )
+    assert main(["check", "b.gidl"]) == 0
+    assert (2, "@bulk") in terms(capsys.readouterr().err)
 
 
 def test_the_warning_may_be_excepted_and_strict_makes_it_an_error(

@@ -162,6 +162,9 @@ CASES: list[tuple[str, str, Any]] = [
         "colours": [["RED", "GREEN"], ["BLUE", "RED"]], "ragged": [[1, -1], []]}),
     ("everything::Pixels", "as made", {}),
     ("everything::Pixels", "filled", {"patch": [[1, 2, 3], [253, 254, 255]]}),
+    ("everything::Photo", "as made", {}),
+    ("everything::Photo", "as large as it may be", {
+        "width": 20, "pixels": [i % 256 for i in range(300)], "note": "at \u00e4", "scale": 7}),
     ("everything::Sequences", "as made", {}),
     ("everything::Sequences", "filled", {
         "reals": [i * 0.1 for i in range(40)], "few": [0.5, -0.25, 3.0], "blob": [1, 2, 255],

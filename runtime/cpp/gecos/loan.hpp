@@ -35,9 +35,9 @@ class Loan {
   /// No memory is lent.
   Loan() = default;
   /// For the runtime.
-  Loan(const session::PublisherSlot& publisher, const StreamDescription& stream,
+  Loan(const session::PublisherSlot& publisher, const StreamDescription& outward,
        session::LentMemory memory, std::span<std::byte> octets)
-      : publisher_(&publisher), stream_(&stream), memory_(std::move(memory)), octets_(octets) {}
+      : publisher_(&publisher), stream_(&outward), memory_(std::move(memory)), octets_(octets) {}
   Loan(Loan&& other) noexcept { *this = std::move(other); }
   Loan& operator=(Loan&& other) noexcept;
   ~Loan() { give_back(); }
