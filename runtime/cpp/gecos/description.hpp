@@ -65,8 +65,8 @@ struct StreamDescription {
   access::Status status = access::Status::Sensor;
   double rate_hz = 0;
   std::size_t largest = 0;  ///< bytes of the largest sample; 0: unbounded, up to 64 KiB are sent
-  bool bulk = false;  ///< samples have a @bulk sequence of octets, which can be written in place
-  bool event = false;      ///< each sample is an occurrence: readers start after their subscription
+  bool bulk = false;   ///< samples have a @bulk sequence of octets, which can be written in place
+  bool event = false;  ///< each sample is an occurrence: readers start after their subscription
   std::uint64_t hash = 0;  ///< of an event; the hash of a stream is that of the operation
   /// The LCM fingerprint of the samples of an @open_stream; nullopt for other streams.
   std::optional<std::uint64_t> open_fingerprint{};

@@ -48,7 +48,8 @@ class Loan {
   /// Returns the octets of the @bulk sequence, which are not initialized. They may be written until
   /// publish(), and must not be used afterwards.
   std::span<std::uint8_t> octets() const;
-  /// For bindings of other languages: returns what keeps the memory valid after the end of the loan.
+  /// For bindings of other languages: returns what keeps the memory valid after the end of the
+  /// loan.
   std::shared_ptr<void> owner() const { return memory_.owner; }
   /// Publishes the sample and ends the loan. Returns false if the server has closed the stream, or
   /// serves the servant no more. `stamp_ns`: when the sample was measured, Unix time in ns.

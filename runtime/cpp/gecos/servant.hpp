@@ -391,8 +391,7 @@ class Servant {
   /// For generated skeletons and bindings: lends the memory of a sample. `encode` writes all
   /// members, with put_bulk() for the @bulk sequence. Fails with the reason; returns an empty Loan
   /// if no server serves the servant.
-  tl::expected<Loan, std::string> gecos_lend(const StreamDescription& outward,
-                                             const LentSize& size,
+  tl::expected<Loan, std::string> gecos_lend(const StreamDescription& outward, const LentSize& size,
                                              FunctionRef<void(wire::Encoder&)> encode);
   /// For generated skeletons: lends the memory of a sample with the members of `value`, and with
   /// `octets` octets in the @bulk sequence, which must be empty in `value`.
@@ -409,9 +408,9 @@ class Servant {
                         std::size_t octets, std::size_t most) {
     if (!gecos_may_publish(name, value)) return {};
     const std::size_t size = value.encoded_size() + octets;
-    return gecos_lent(name,
-                      gecos_lend(outward, {4 + size, octets, most},
-                                 [&](wire::Encoder& to) { wire::put_block(to, value, size); }));
+    return gecos_lent(name, gecos_lend(outward, {4 + size, octets, most}, [&](wire::Encoder& to) {
+                        wire::put_block(to, value, size);
+                      }));
   }
   template <class T>
   bool gecos_may_publish(std::string_view name, const T& value) const {

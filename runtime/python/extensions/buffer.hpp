@@ -17,7 +17,7 @@ struct BufferSlots {
                              Handle::writable ? 0 : 1, flags);
   }
   static inline PyType_Slot slots[] = {{Py_bf_getbuffer, reinterpret_cast<void*>(&get)},
-                                          {0, nullptr}};
+                                       {0, nullptr}};
 };
 
 }  // namespace gecos::python

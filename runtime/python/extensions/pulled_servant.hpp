@@ -67,8 +67,8 @@ class PulledServant final : public Servant {
   /// Publishes a sample of the stream whose code is `code`. Returns false when the interface has no
   /// such stream.
   bool publish(FunctionCode code, ByteView sample, std::int64_t stamp_ns);
-  /// Lends the memory of a sample that has `octets` octets between `head` and `tail`. Fails with the
-  /// reason.
+  /// Lends the memory of a sample that has `octets` octets between `head` and `tail`. Fails with
+  /// the reason.
   tl::expected<Loan, std::string> lend(FunctionCode code, ByteView head, std::size_t octets,
                                        ByteView tail);
   /// Calls `use` with the inward stream whose code is `code`; does nothing while the servant is not

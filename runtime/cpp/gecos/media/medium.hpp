@@ -124,8 +124,8 @@ struct LentSample {
 class StreamWriter {
  public:
   virtual ~StreamWriter() = default;
-  /// Returns the size of the largest sample in bytes, which is at most the size for which the stream
-  /// was made.
+  /// Returns the size of the largest sample in bytes, which is at most the size for which the
+  /// stream was made.
   virtual std::size_t largest() const = 0;
   /// Publishes a copy of `sample` and wakes sleeping readers. The only possible error is TooLarge.
   virtual tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) = 0;

@@ -86,7 +86,7 @@ class StreamRingWriter : public StreamWriter {
 
   const std::shared_ptr<SleeperList> sleepers_ = std::make_shared<SleeperList>();
   std::uint64_t newest_ = 0;
-  std::span<std::byte> lent_;          ///< empty if no memory is lent
+  std::span<std::byte> lent_;         ///< empty if no memory is lent
   std::shared_ptr<void> lent_owner_;  ///< keeps `lent_` valid; null if it is in `memory_`
 };
 

@@ -119,10 +119,9 @@ tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
   if (lent_.first != nullptr) return tl::unexpected(std::string(still_lent));
   if (const std::size_t largest = largest_of(stream_); size > largest) {
     ++dropped_;
-    return tl::unexpected("the sample takes " + std::to_string(size) + " bytes, at most " +
-                          std::to_string(largest) + " fit; " +
-                          (stream_.largest == 0 ? "give its sequences and strings bounds"
-                                                : "shorten it"));
+    return tl::unexpected(
+        "the sample takes " + std::to_string(size) + " bytes, at most " + std::to_string(largest) +
+        " fit; " + (stream_.largest == 0 ? "give its sequences and strings bounds" : "shorten it"));
   }
   // Over shm there are most readers of large samples, so shm comes before inproc.
   for (auto held = writers_.rbegin(); held != writers_.rend(); ++held) {

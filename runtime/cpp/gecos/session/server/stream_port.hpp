@@ -35,8 +35,8 @@ class StreamPort {
   void publish(ByteView sample, const SampleTime& time);
   /// Lends memory of `size` bytes for the next sample. The memory is that of a medium whose readers
   /// read it in place, if there is one with a subscription; otherwise it is private, and its sample
-  /// is copied for each medium. Lends nothing after close(). Fails with the reason if the sample is too large, or while other
-  /// memory of this stream is lent.
+  /// is copied for each medium. Lends nothing after close(). Fails with the reason if the sample is
+  /// too large, or while other memory of this stream is lent.
   tl::expected<LentMemory, std::string> lend(std::size_t size);
   /// Publishes the sample in `memory`, which lend() returned. Returns false if the stream over its
   /// medium was closed meanwhile.
