@@ -60,8 +60,8 @@ class VisitorBook {
 
   /// Returns an object whose list makes `who` a visitor; no value if there is none. Skips the lists
   /// of the servers to which `counts` does not apply.
-  std::optional<std::string> object_of(
-      const UserAtHost& who, FunctionRef<bool(const ServerLife& server)> counts) const;
+  std::optional<std::string> object_of(const UserAtHost& who,
+                                       FunctionRef<bool(const ServerLife& server)> counts) const;
   /// What one user sees as a visitor.
   struct Seen {
     std::set<std::string> objects{};  ///< their names

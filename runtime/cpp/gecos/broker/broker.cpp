@@ -86,7 +86,11 @@ void Broker::watch_processes() {
     rest = std::min({rest, directory_.on_tick(now) - now, look_again - now});
     rest = std::max(rest, Duration::zero());
     announce();
-    drop_visitor_lists(now);
+    const bool dropped = visitor_lists_.visitors()->book.keep_only([&](const std::string& name) {
+      mutex_.assert_held();
+      return directory_.keeps_name(name, now);
+    });
+    if (dropped) publish_revision(directory_.revision());
   }
 }
 
@@ -129,14 +133,6 @@ void Broker::announce() {
   if (std::exchange(announced_, now.number) == now.number) return;
   if (kept_) kept_->keep(directory_.of_this_host(), *processes_);
   publish_revision(now);
-}
-
-void Broker::drop_visitor_lists(TimePoint now) {
-  const bool dropped = visitor_lists_.visitors()->book.keep_only([&](const std::string& name) {
-    mutex_.assert_held();
-    return directory_.keeps_name(name, now);
-  });
-  if (dropped) publish_revision(directory_.revision());
 }
 
 void Broker::expect_known(const std::vector<media::Kind>& media) {

@@ -77,7 +77,6 @@ class Broker final : public BrokerServant {
   void remove_ended() GECOS_REQUIRES(mutex_);
   void forget_unused_processes() GECOS_REQUIRES(mutex_);
   void announce() GECOS_REQUIRES(mutex_);
-  void drop_visitor_lists(TimePoint now) GECOS_REQUIRES(mutex_);
   /// Returns what the client of the current call sees of the directory.
   View view() const GECOS_REQUIRES(mutex_);
 

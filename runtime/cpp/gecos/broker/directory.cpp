@@ -26,6 +26,10 @@ bool is_a(const Entry& entry, std::string_view interface_name) {
          std::ranges::find(entry.bases, interface_name) != entry.bases.end();
 }
 
+bool is_kept(const Directory& directory, const Silent& one, TimePoint now) {
+  return directory.free_in(one, now) != Duration::zero();
+}
+
 /// Returns whether both are objects of one life of a server.
 bool is_same_life(const Entry& one, const Entry& other) {
   return one.boot == other.boot && one.user == other.user && one.hostname == other.hostname;
@@ -50,7 +54,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
       const Silent& one = silent->second;
       if (own_life && is_same_life(one.entry, entry)) {
         if (one.entry == entry) epoch = one.epoch;
-      } else if (keeps_name(one, now)) {
+      } else if (is_kept(*this, one, now)) {
         return tl::unexpected(NameTaken{entry.name, why_kept(one, now)});
       }
       silent_.erase(silent);
@@ -86,7 +90,7 @@ bool Directory::gives_way(const Place& place, const Entry& entry, TimePoint sinc
 bool Directory::keeps_name(const std::string& name, TimePoint now) const {
   if (places_.contains(name)) return true;
   const auto found = silent_.find(name);
-  return found != silent_.end() && keeps_name(found->second, now);
+  return found != silent_.end() && is_kept(*this, found->second, now);
 }
 
 std::optional<Duration> Directory::free_in(const Silent& one, TimePoint now) const {
@@ -199,7 +203,7 @@ TimePoint Directory::on_tick(TimePoint now) {
       one.expected = false;
       one.epoch = note(one.entry, Presence::SILENT, one.epoch, one.since);
     }
-    const bool kept = keeps_name(one, now);
+    const bool kept = is_kept(*this, one, now);
     const TimePoint forget = one.since + remembered;
     if (!kept && now >= forget) {
       note(one.entry, Presence::GONE, one.epoch);
@@ -218,7 +222,7 @@ TimePoint Directory::on_tick(TimePoint now) {
 void Directory::forget_most(TimePoint now) {
   std::vector<std::map<std::string, Silent>::iterator> is_free;
   for (auto at = silent_.begin(); at != silent_.end(); ++at) {
-    if (!keeps_name(at->second, now)) is_free.push_back(at);
+    if (!is_kept(*this, at->second, now)) is_free.push_back(at);
   }
   if (is_free.size() <= most_silent) return;
   std::ranges::sort(is_free, {}, [](const auto& at) { return at->second.since; });
@@ -253,7 +257,7 @@ std::vector<Silent> Directory::silent(TimePoint now) const {
   std::vector<Silent> found;
   for (const auto& [name, one] : silent_) {
     if (one.expected) continue;
-    if (keeps_name(one, now) || now - one.since < remembered) found.push_back(one);
+    if (is_kept(*this, one, now) || now - one.since < remembered) found.push_back(one);
   }
   return found;
 }

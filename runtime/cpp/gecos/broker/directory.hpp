@@ -148,9 +148,6 @@ class Directory {
   };
 
   bool gives_way(const Place& place, const Entry& entry, TimePoint since, TimePoint now) const;
-  bool keeps_name(const Silent& one, TimePoint now) const {
-    return free_in(one, now) != Duration::zero();
-  }
   std::string why_kept(const Silent& one, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;
   void forget_most(TimePoint now);

@@ -102,8 +102,7 @@ class AccessControl {
   /// @param server the user of this server, and its host
   Judgement judge_visitor(const std::string& object, const media::Peer& peer,
                           const access::UserAtHost& server, const access::UserAtHost& who,
-                          std::string refusal)
-      GECOS_REQUIRES(mutex_);
+                          std::string refusal) GECOS_REQUIRES(mutex_);
   /// Returns the policy by the lab file as it was read last.
   const access::AccessPolicy& policy() GECOS_REQUIRES(mutex_);
   std::string name_of(std::uint32_t uid);
