@@ -79,6 +79,19 @@ def test_bulk_acts_only_on_the_one_octet_sequence_of_the_struct_of_a_stream(
     assert (2, "@bulk") in terms(capsys.readouterr().err)
 
 
+def test_bulk_does_not_act_on_the_parameters_of_an_event(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "b.gidl").write_text(
+        "interface Camera { @event oneway void shot(@bulk in sequence<octet> pixels); };\n"
+    )
+    assert main(["check", "b.gidl"]) == 0
+    assert terms(capsys.readouterr().err) == {(1, "@bulk")}
+    assert main(["gen", "b.gidl", "--out", "out"]) == 0
+    written = [path.read_text() for path in (here / "out").rglob("*") if path.is_file()]
+    assert not any("lend_shot" in text for text in written)
+
+
 def test_the_warning_may_be_excepted_and_strict_makes_it_an_error(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gidl.model.declarations import ExceptionStruct, Member, Struct, Typedef, Union
 from gidl.model.files import Model
+from gidl.model.interfaces import Attribute
 from gidl.model.types import (
     ArrayType,
     MapType,
@@ -13,6 +14,14 @@ from gidl.model.types import (
     SequenceType,
     Type,
 )
+
+
+def stream_in_place(model: Model, attribute: Attribute) -> Member | None:
+    """Returns the member of which the octets are written and read in place in the samples of an
+    attribute. Returns None if the attribute has no such member, or publishes no such samples."""
+    if not attribute.streams_out or attribute.optional or attribute.event is not None:
+        return None
+    return octets_in_place(model, attribute.type)
 
 
 def octets_in_place(model: Model, used: Type) -> Member | None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from gidl.diagnostics.findings import Findings
 from gidl.model import Attribute, Facts, File, Interface, Model, Operation, Struct, Union
-from gidl.model.bulk import octets_in_place
+from gidl.model.bulk import stream_in_place
 from gidl.model.policy import Access, QualityClass
 
 CODE = "G0708"
@@ -114,13 +114,12 @@ def check(model: Model, findings: Findings) -> None:
 
 def _in_place(model: Model) -> set[int]:
     """Returns the ids of the facts of the members whose @bulk acts."""
-    streams = [
-        member.type
+    found = [
+        stream_in_place(model, member)
         for interface in model.interfaces()
         for member in interface.members
-        if isinstance(member, Attribute) and member.streams_out and not member.optional
+        if isinstance(member, Attribute)
     ]
-    found = (octets_in_place(model, used) for used in streams)
     return {id(member.facts) for member in found if member is not None}
 
 

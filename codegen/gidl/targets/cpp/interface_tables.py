@@ -9,7 +9,7 @@ from gidl.model import (
     Attribute,
     Operation,
 )
-from gidl.model.bulk import octets_in_place
+from gidl.model.bulk import stream_in_place
 from gidl.model.policy import (
     Access,
     Liveliness,
@@ -81,7 +81,7 @@ class Tables(CallFacts):
             terms.append(f".rate_hz = {float(attribute.stream.rate_hz)!r}")
         if layout.largest:
             terms.append(f".largest = {layout.largest}")
-        if octets_in_place(self._model, attribute.type) and not attribute.optional:
+        if stream_in_place(self._model, attribute):
             terms.append(".bulk = true")
         if attribute.event is not None:
             terms += [".event = true", f".hash = {hex64(layout.hash)}"]

@@ -18,7 +18,7 @@ from gidl.model import (
     Operation,
     SequenceType,
 )
-from gidl.model.bulk import octets_in_place
+from gidl.model.bulk import stream_in_place
 from gidl.targets.calls import (
     CallValue,
     attribute_value,
@@ -191,8 +191,8 @@ class ServerSide(CallFacts):
         )
 
     def _lending(self, attribute: Attribute, used: LocalNames) -> LendingView | None:
-        member = octets_in_place(self._model, attribute.type)
-        if member is None or attribute.optional:
+        member = stream_in_place(self._model, attribute)
+        if member is None:
             return None
         sequence = self._model.target(member.type)
         assert isinstance(sequence, SequenceType)

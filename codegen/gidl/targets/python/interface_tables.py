@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import Attribute, Operation
-from gidl.model.bulk import octets_in_place
+from gidl.model.bulk import stream_in_place
 from gidl.model.policy import Liveliness, OnDegraded, OnLoss, OnNew, Qos, QualityClass, Reliability
 from gidl.targets.calls import first_missing, short_name
 from gidl.targets.groups import call, group
@@ -81,8 +81,8 @@ class Tables(CallFacts):
     def _in_place(self, attribute: Attribute) -> str:
         """Returns the name of the member of which the octets are written in place; "" if samples
         of the attribute are not."""
-        member = octets_in_place(self._model, attribute.type)
-        return "" if member is None or attribute.optional else member.name
+        member = stream_in_place(self._model, attribute)
+        return "" if member is None else member.name
 
     def _openness(self, attribute: Attribute) -> list[str]:
         """Returns the argument with the fingerprint of the samples of an open stream. The list is

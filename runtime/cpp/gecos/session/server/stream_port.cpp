@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <utility>
 
 #include "gecos/base/log.hpp"
 #include "gecos/session/protocol/open_message.hpp"
@@ -82,6 +83,7 @@ void StreamPort::publish(ByteView sample, const SampleTime& time) {
   const MutexLock lock(mutex_);
   if (lent_.first != nullptr) {  // its memory is that of the next sample
     ++dropped_;
+    if (std::exchange(complained_, true)) return;
     log_error("session", "a sample of the " + named() + " is not published: " + still_lent);
     return;
   }
