@@ -31,14 +31,16 @@ class BrokerServant : public virtual gecos::Servant {
   /// `settles_in` the
   /// name may go to an object that has been served for longer, so ask again. Absent: the
   /// name is the server's.
-  /// The broker replaces the user and the host name in `what` by those whom the kernel or a
-  /// key proves.
-  /// `admitted` says whom the program and the lab file of the server admit. A user whom
-  /// these lists alone admit is a
-  /// visitor, who finds the objects that admit this user and may do nothing else here. The
-  /// lists count as long as the
-  /// server has the name, or is silent and keeps it. Absent: an older server, which admits
-  /// no visitors.
+  /// If the server is of another user than the broker and not of root, the broker replaces
+  /// the user and the host name
+  /// in `what` by those that the kernel or a key proves.
+  /// `admitted` says whom the program and the lab file of the server admit. A user is a
+  /// visitor if no list of the
+  /// broker's lab file admits the user, but these lists do. A visitor finds the objects
+  /// that admit this user, and may
+  /// do nothing else here. The lists count as long as the server has the name, or is silent
+  /// and keeps it. Absent: an
+  /// older server, which admits no visitors.
   /// @param served_for [s]
   /// @param settles_in [s]
   /// May fail with gecos::NameTaken.

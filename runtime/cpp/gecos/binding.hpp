@@ -108,13 +108,14 @@ class CallCore;
 /// a refusal to the audit.
 std::string refusal_to_register(const CallCore& call, const std::string& name);
 
-/// Returns who issued `call`, as the medium proves it; no value if it is the user of the broker, or
-/// root on the broker's host, whose word counts. This function is for the broker.
+/// A user as the medium proves it.
 struct ProvedUser {
   access::UserAtHost who;
   std::string key{};                ///< 64 hexadecimal digits; empty if the kernel names the user
   std::optional<std::int32_t> pid;  ///< no value if the kernel does not name it
 };
+/// Returns who issued `call`; no value if it is the user of the broker, or root on the broker's
+/// host, whose registrations are believed. This function is for the broker.
 std::optional<ProvedUser> other_user_of(const CallCore& call);
 
 /// Returns the user of the client that issued `call`, if the client is a visitor; no value if it is

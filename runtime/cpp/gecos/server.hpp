@@ -76,8 +76,8 @@ class Server {
   /// user of this process on this host: for example `allow({"anna"})`. "*" admits every name. If
   /// the lab file also has a list for an object, both lists must admit a client. Applies to
   /// connections that are made after the call, and replaces the names of an earlier call. The
-  /// broker is told these names, as far as the lab file of this server admits them, too: it lets a
-  /// user whom no list of its own lab file admits look for the objects of this server, and do
+  /// broker is told those of these names that the lab file of this server admits, too. The broker
+  /// lets a user whom its own lab file does not admit find the objects of this server, and do
   /// nothing else. Throws std::invalid_argument if there are more than 256 users or more than 256
   /// hosts. Programs of another user of this host can connect only if an administrator has prepared
   /// the host for this (docs/security.md). Does not lower the status that an operation needs.

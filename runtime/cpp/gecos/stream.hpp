@@ -166,7 +166,8 @@ class Stream {
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
   }
-  /// Returns the newest sample as latest() does, but without a copy of its @bulk sequence.
+  /// Returns the newest sample as latest() does, but without a copy of its @bulk sequence. Also
+  /// returns nullopt if the writer has overwritten the sample meanwhile.
   std::optional<SampleInPlace<T>> latest_in_place() {
     session::RawLent lent;
     if (!position_.lend_latest(*core_, lent)) return std::nullopt;

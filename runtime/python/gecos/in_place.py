@@ -45,9 +45,8 @@ class Loan:
 
     def __init__(self, core: _core.Loan) -> None:
         self._core = core
-        self.octets = memoryview(
-            core
-        )  # not initialized; must not be used after the end of the loan
+        # Not initialized. Must not be used after the end of the loan.
+        self.octets = memoryview(core)
 
     def publish(self, stamp: float | None = None) -> bool:
         """Publishes the sample and ends the loan. Returns False if the servant is no longer served,

@@ -241,6 +241,20 @@ TEST_P(Images, ThatDoNotFitAreRefused) {
   EXPECT_TRUE(camera_.lend_picture({}, 10)) << "a refused loan has ended";
 }
 
+TEST_P(Images, OfASequenceWithoutABoundAreReadOverEachMedium) {
+  auto opened = proxy_.raw(gecos::stream);
+  ASSERT_TRUE(opened) << opened.error();
+  auto loan = camera_.lend_raw({.last = true}, 100);
+  ASSERT_TRUE(loan);
+  loan.octets().front() = loan.octets().back() = 7;
+  ASSERT_TRUE(loan.publish());
+  const auto read = opened->next_in_place(10s);
+  ASSERT_TRUE(read) << to_string(read.error());
+  EXPECT_EQ(read->octets.size(), 100u);
+  EXPECT_EQ(read->octets.back(), 7);
+  EXPECT_TRUE(read->value.last);
+}
+
 TEST_P(Images, OfAFullScreenComeOverSharedMemoryAndAreRefusedOverLcm) {
   auto opened = proxy_.still(gecos::stream);
   if (!shares_memory()) {

@@ -26,8 +26,8 @@ class AVisitor : public ::testing::Test {
     admit(name, boot, std::move(users));
   }
   void admit(const std::string& name, std::uint64_t boot, std::vector<std::string> users) {
-    book_.set(name, boot,
-              access::ProgramList{{"gecos", "cell"}, boot, ++number_, {std::move(users), {}, ""}});
+    book_.set(name, {{{"gecos", "cell"}, boot, true}, ++number_, {std::move(users), {}, ""}},
+              directory_.revision().number);
   }
   View view() const { return View(directory_, book_, anna); }
   View of_everything() const { return View(directory_, book_, std::nullopt); }
@@ -101,6 +101,21 @@ TEST_F(AVisitor, IsNotToldWhatHappenedWhileTheObjectWasHidden) {
   const auto answer = view().changes(watcher_.revision(), now);
   ASSERT_EQ(answer.changed.size(), 1u);
   EXPECT_EQ(answer.changed[0].entry.boot, 3u);
+}
+
+TEST_F(AVisitor, WhoInventsARevisionIsToldNothingFromBeforeTheListsNamedTheUser) {
+  enlist("RX90", 1, {});
+  ASSERT_TRUE(directory_.withdraw(1, "RX90"));
+  enlist("LASER", 2, {"anna"});
+  enlist("RX90", 3, {"anna"});
+  const ListRevision seen = view().revision();
+  for (std::uint64_t invented = 0; invented < seen.number; ++invented) {
+    const ListChanges answer = view().changes({seen.life, invented}, now);
+    EXPECT_TRUE(answer.whole) << invented;
+    for (const auto& one : answer.changed) EXPECT_NE(one.entry.boot, 1u) << invented;
+  }
+  EXPECT_TRUE(view().changes(seen, now).changed.empty());
+  EXPECT_TRUE(view().changes({seen.life, seen.number + 1}, now).whole);
 }
 
 TEST_F(AVisitor, WhoKnewTheWholeListGetsItsOwnOne) {

@@ -30,8 +30,9 @@ bool VisitorBook::set(const std::string& name, ProgramList list, std::uint64_t r
       list.number <= found->second.program.number) {
     return false;
   }
+  const bool replaces = found != lists_.end();
   lists_.insert_or_assign(name, Listed{std::move(list), ++changes_, revision});
-  changed();
+  if (replaces) forget_revoked_if_unused();
   return true;
 }
 
@@ -40,7 +41,7 @@ bool VisitorBook::drop_other(const std::string& name, const ServerLife& server) 
   const auto found = lists_.find(name);
   if (found == lists_.end() || found->second.program.server == server) return false;
   lists_.erase(found);
-  changed();
+  forget_revoked_if_unused();
   return true;
 }
 
@@ -48,11 +49,13 @@ bool VisitorBook::keep_only(FunctionRef<bool(const std::string& name)> keeps_nam
   const MutexLock lock(mutex_);
   const auto dropped =
       std::erase_if(lists_, [&](const auto& named) { return !keeps_name(named.first); });
-  changed();
+  if (dropped > 0) forget_revoked_if_unused();
   return dropped > 0;
 }
 
-void VisitorBook::changed() { knows_revoked_ = knows_revoked_ && names_somebody_now(); }
+void VisitorBook::forget_revoked_if_unused() {
+  knows_revoked_ = knows_revoked_ && names_somebody_now();
+}
 
 bool VisitorBook::names_somebody() const {
   const MutexLock lock(mutex_);

@@ -50,8 +50,8 @@ class VisitorBook {
   /// life of the server with the same or a greater number. `revision`: the number of the broker's
   /// last change. Returns whether the book has changed.
   bool set(const std::string& name, ProgramList list, std::uint64_t revision);
-  /// Drops the list of the object `name` unless it is of this life of the server, which tells no
-  /// list. Returns whether the book has changed.
+  /// `server` has registered `name` without a list. Drops the list of `name` if it is of another
+  /// life or of another server. Returns whether the book has changed.
   bool drop_other(const std::string& name, const ServerLife& server);
   /// Drops the lists of the objects that do not keep their names. Returns whether there were some.
   bool keep_only(FunctionRef<bool(const std::string& name)> keeps_name);
@@ -66,7 +66,7 @@ class VisitorBook {
   struct Seen {
     std::set<std::string> objects{};  ///< their names
     /// A number that stands for the lists of these objects. Two sets of lists have different
-    /// numbers; a list that is set again counts as another list.
+    /// numbers, but for a collision of the hash; a list that is set again counts as another list.
     std::uint64_t view = 0;
     /// The broker's last change when the newest of the lists was set. Earlier changes may be of
     /// servers whose lists did not name the user.
@@ -78,7 +78,7 @@ class VisitorBook {
   void set_revoked(std::vector<RevokedUser> revoked);
   /// The revoked users are not known at the moment. The last list that was set still counts.
   void lose_revoked();
-  /// False while no list names anybody, because nobody then reads the list of the revoked users.
+  /// False at first, after lose_revoked(), and when the last list that names somebody has gone.
   bool knows_revoked() const;
   /// Returns whether a client is revoked; see access::revokes.
   bool revoked(std::string_view key, const UserAtHost& who) const;
@@ -91,7 +91,8 @@ class VisitorBook {
   };
   bool admits(const ProgramList& one, const UserAtHost& who) const GECOS_REQUIRES(mutex_);
   bool names_somebody_now() const GECOS_REQUIRES(mutex_);
-  void changed() GECOS_REQUIRES(mutex_);
+  /// While no list names anybody, nobody reads the list of the revoked users.
+  void forget_revoked_if_unused() GECOS_REQUIRES(mutex_);
 
   mutable Mutex mutex_;
   std::map<std::string, Listed> lists_ GECOS_GUARDED_BY(mutex_);  ///< by the name of the object

@@ -14,6 +14,7 @@
 #include "gecos/base/seconds.hpp"
 #include "gecos/base/thread.hpp"
 #include "gecos/binding.hpp"
+#include "gecos/broker/names.hpp"
 
 namespace gecos::broker {
 namespace {
@@ -185,6 +186,9 @@ View Broker::view() const {
 
 Result<std::optional<double>> Broker::enlist(const Entry& told, double served_for,
                                              const std::optional<AdmittedNames>& admitted) {
+  if (auto why = why_not_listed(told, admitted); !why.empty()) {
+    return tl::unexpected(Fault::rejected(std::move(why)));
+  }
   visitor_lists_.ensure_revoked_known(admitted);
   const auto user = session::other_user_of(*calling_.call);
   Entry what = told;
@@ -237,7 +241,10 @@ Result<Entry> Broker::lookup(const std::string& name) {
   const MutexLock lock(mutex_);
   remove_ended();
   auto found = view().look_up(name);
-  if (!found) return tl::unexpected(Fault(found.error()));
+  if (!found) {
+    found.error().name = shortened_name(name);  // bounds the reply
+    return tl::unexpected(Fault(found.error()));
+  }
   return *std::move(found);
 }
 

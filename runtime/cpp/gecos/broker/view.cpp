@@ -3,8 +3,11 @@
 namespace gecos::broker {
 
 tl::expected<Entry, UnknownName> View::look_up(const std::string& name) const {
-  auto found = directory_.look_up(name);
-  if (found && !hidden(name)) return found;
+  if (!seen_) return directory_.look_up(name);
+  // The time that a refusal takes must not tell whether a hidden object exists.
+  if (!hidden(name)) {
+    if (auto found = directory_.look_up(name)) return found;
+  }
   UnknownName unknown{name, {}};
   for (const Entry& known : list()) unknown.known.push_back(known.name);
   return tl::unexpected(std::move(unknown));

@@ -1,4 +1,4 @@
-"""Encodes and decodes structs whose @bulk octets are in memory that somebody else lends."""
+"""Encodes and decodes structs whose @bulk octets are in memory that is lent."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 #include "gecos/media/buffers/sample_buffer.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 namespace gecos::media {
@@ -58,6 +59,7 @@ void CopyingWriter::publish_lent(std::int64_t stamp_ns) {
 
 StreamSample& CopyingReader::unused_sample() {
   if (lent_.use_count() != 1) lent_ = std::make_shared<StreamSample>();
+  std::atomic_thread_fence(std::memory_order_acquire);  // after the last use by its borrower
   return *lent_;
 }
 

@@ -138,8 +138,8 @@ AccessControl::Judgement AccessControl::judge_visitor(const std::string& object,
   const Judgement refused{false, false, who, std::move(refusal)};
   const bool has_list = policy_.program || policy_.lab.objects.contains(object);
   if (!visitors_ || object != access::broker_object || has_list) return refused;
-  // A list counts only as long as the user of its server may connect without a list: else users
-  // whom the lab file drops would admit each other.
+  // A list counts only as long as the broker admits the user of its server in full, not as a
+  // visitor: otherwise users whom the lab file drops could admit each other.
   const auto shown = visitors_->book.object_of(who, [&](const access::ServerLife& one) {
     mutex_.assert_held();
     return one.own || policy_.decide(server, one.user, object).allowed();

@@ -51,9 +51,8 @@ class AccessControl {
   /// (AccessPolicy::named_by_program). Does not wait.
   access::AllowList named_by_program(const std::string& object);
 
-  /// From now on receives at BROKER the visitors in this book, too. There are none while the lab
-  /// file has a list for BROKER, or the program of the broker a list of its own: such a list names
-  /// all who may connect.
+  /// From now on receives at BROKER the visitors in this book, too. BROKER has no visitors while
+  /// the lab file has a list for it, or while its own program has called `allow`.
   void receive(std::shared_ptr<const Visitors> visitors);
 
   /// The decision whether a client may connect to an object, and the rule that led to it.

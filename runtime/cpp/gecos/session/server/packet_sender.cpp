@@ -89,7 +89,16 @@ void PacketSender::reply(const wire::PacketHeader& header, const Failure& failur
                          ReplyCache* kept) {
   const MutexLock lock(mutex_);
   write_failure(packet_, header, failure);
-  if (const std::size_t takes = packet_.size(); takes > carried()) {
+  const std::size_t takes = packet_.size();
+  if (backlog_bytes_ + takes > most_backlog_bytes) {
+    write_failure(packet_, header,
+                  {failure.detail,
+                   "the failure of " + std::to_string(takes) +
+                       " bytes was dropped: " + std::to_string(backlog_bytes_) +
+                       " bytes of replies already wait for this client to read them",
+                   {},
+                   {}});
+  } else if (takes > carried()) {
     write_failure(packet_, header, shortened(failure, takes, carried()));
   }
   keep_and_deliver(header.counter, kept);
@@ -108,7 +117,9 @@ void PacketSender::deliver(ByteView packet) {
     const auto sent = connection_.send(packet, {});
     if (sent || sent.error() != media::SendProblem::Full) return;
   }
-  if (backlog_.size() == most_backlog) {
+  // Replies that are sent again in a new session may exceed the limit once.
+  const bool fits = backlog_bytes_ + packet.size() <= 2 * most_backlog_bytes;
+  if (backlog_.size() == most_backlog || !fits) {
     overrun_.store(true, std::memory_order_relaxed);
     return;
   }

@@ -162,7 +162,7 @@ void Server::Core::follow_lab_file(TimePoint now) {
     access_->reread();
   }
   const auto lists = access_->lists();
-  if (lists == std::exchange(followed_, lists)) return;
+  if (lists == followed_) return;
   try {
     registrar_.renew_lists();
     for (const auto& object : objects_) {
@@ -172,6 +172,7 @@ void Server::Core::follow_lab_file(TimePoint now) {
       zones_.add(zone, object);
       object->presence().enter(zone);
     }
+    followed_ = lists;
   } catch (const std::exception& failed) {  // the next reading tries again
     log_error("session", std::string("an edit of the lab file was not applied: ") + failed.what());
   }

@@ -1,6 +1,7 @@
 #include "gecos/session/server/stream_port.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <utility>
 
@@ -53,7 +54,7 @@ tl::expected<media::StreamWriter*, std::string> StreamPort::writer_for(media::Ac
   const std::size_t largest = largest_of(stream_);
   try {
     auto made = acceptor.make_stream(largest + measured_bytes, depth_of(stream_));
-    if (stream_.bulk && made->largest() < largest + measured_bytes) {
+    if (stream_.bulk && stream_.largest != 0 && made->largest() < largest + measured_bytes) {
       return tl::unexpected(named() + " has samples of up to " + std::to_string(largest) +
                             " bytes, and " + std::string(medium) + " carries at most " +
                             std::to_string(made->largest() - measured_bytes) +
@@ -139,6 +140,7 @@ tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
   }
   // A binding may hold the memory of an earlier loan.
   if (lent_.own.use_count() != 1) lent_.own = std::make_shared<Bytes>();
+  std::atomic_thread_fence(std::memory_order_acquire);  // after the last use by its borrower
   lent_.own->resize(size + measured_bytes);
   lent_.first = lent_.own->data();
   lent_.whole = *lent_.own;

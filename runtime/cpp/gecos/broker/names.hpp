@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "gecos/broker_types.hpp"
+
+/// Which names the broker lists, so that a registration takes little memory, and no name harms a
+/// terminal.
+namespace gecos::broker {
+
+/// The longest name of an object, of a user and of a host, in bytes.
+inline constexpr std::size_t longest_name = 256;
+
+/// Returns why the broker does not list `what`; an empty text if it does.
+std::string why_not_listed(const Entry& what, const std::optional<AdmittedNames>& admitted);
+
+/// Returns the longest beginning of `name` that has at most `longest_name` bytes and ends with a
+/// whole character. @pre `name` is UTF-8
+std::string shortened_name(const std::string& name);
+
+}  // namespace gecos::broker
