@@ -5,21 +5,21 @@
 namespace gecos::broker {
 namespace {
 
-Entry named(const std::string& name) {
+Entry object_named(const std::string& name) {
   Entry entry;
   entry.name = name;
   return entry;
 }
 
 TEST(Names, OfObjectsAreShortAndHarmless) {
-  for (const auto& name : {std::string("RX90"), std::string("left arm"), std::string("Greifer \u00fc"),
-                           std::string(longest_name, 'A')}) {
-    EXPECT_EQ(why_not_listed(named(name), {}), "") << name;
+  for (const auto& name : {std::string("RX90"), std::string("left arm"),
+                           std::string("Greifer \u00fc"), std::string(longest_name, 'A')}) {
+    EXPECT_EQ(why_not_listed(object_named(name), {}), "") << name;
   }
   for (const auto& name :
        {std::string(), std::string("BROKER"), std::string("A\n"), std::string("A\x1b[31m"),
         std::string("A\x7f"), std::string(longest_name + 1, 'A')}) {
-    EXPECT_EQ(why_not_listed(named(name), {}),
+    EXPECT_EQ(why_not_listed(object_named(name), {}),
               "the name of an object has 1 to 256 bytes without control characters, and is not "
               "BROKER; give the object another name")
         << name;
@@ -28,10 +28,10 @@ TEST(Names, OfObjectsAreShortAndHarmless) {
 
 TEST(Names, OfAdmittedUsersAndHostsAreShort) {
   const std::string fits(longest_name, 'a');
-  EXPECT_EQ(why_not_listed(named("RX90"), AdmittedNames{1, {fits, "*"}, {fits}}), "");
-  for (const auto& admitted : {AdmittedNames{1, {"anna", fits + "a"}, {}},
-                               AdmittedNames{1, {}, {"cell", fits + "a"}}}) {
-    EXPECT_NE(why_not_listed(named("RX90"), admitted).find("more than 256 bytes"),
+  EXPECT_EQ(why_not_listed(object_named("RX90"), AdmittedNames{1, {fits, "*"}, {fits}}), "");
+  for (const auto& admitted :
+       {AdmittedNames{1, {"anna", fits + "a"}, {}}, AdmittedNames{1, {}, {"cell", fits + "a"}}}) {
+    EXPECT_NE(why_not_listed(object_named("RX90"), admitted).find("more than 256 bytes"),
               std::string::npos);
   }
 }
