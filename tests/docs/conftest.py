@@ -22,11 +22,13 @@ STAND_INS = Path(__file__).parent / "stand_ins"
 
 @pytest.fixture(scope="session")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What gidl makes of the README's interface."""
+    """What gidl makes of the README's interface, and of the camera in docs/programs.md."""
     folder = tmp_path_factory.mktemp("readme")
     (folder / "oven.gidl").write_text(blocks("README.md", "idl")[0])
+    (camera,) = (block for block in blocks("docs/programs.md", "idl") if "Camera" in block)
+    (folder / "camera.gidl").write_text(camera)
     command = [sys.executable, "-m", "gidl", "gen", "-I", folder, "--out", folder / "out"]
-    run(*command, folder / "oven.gidl")
+    run(*command, folder / "oven.gidl", folder / "camera.gidl")
     return folder / "out"
 
 

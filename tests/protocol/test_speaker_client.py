@@ -119,7 +119,7 @@ def test_a_large_packet_goes_and_comes_in_pieces(connect: Open, lab: Laboratory)
     office = connect(BROKER_PLACE, "gecos::Broker")
     office.ready()
     name = "".join(f"{i:07}-" for i in range(30_000))
-    reply = office.call(code_of("gecos::Broker::lookup"), packets.string(name))
+    reply = office.call(code_of("gecos::Broker::withdraw"), packets.string(name))
     failure = Failure.of(reply.body)
     assert failure.exception == "gecos::UnknownName", failure.text[:200]
     assert Reader(failure.value).string() == name

@@ -41,8 +41,8 @@ CPP_BITSET_WORDS = CPP_STRUCT_WORDS | {"bits", "set_bits", "raw"}
 _CPP_BASE_MEMBERS = words(
     """
     gecos_answer gecos_attach gecos_attached gecos_begins_calls gecos_call gecos_description
-    gecos_detach gecos_dispatch
-    gecos_interface gecos_may_publish gecos_not_published gecos_options_ gecos_publish
+    gecos_detach gecos_dispatch gecos_interface gecos_lend gecos_lend_block gecos_lent
+    gecos_may_publish gecos_not_published gecos_options_ gecos_publish
     gecos_publish_block gecos_publisher_ gecos_served_as gecos_session_ gecos_session_ended
     gecos_share_thread gecos_subscribe gecos_write
     """

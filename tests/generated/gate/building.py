@@ -31,7 +31,7 @@ SUPPORT = (
     HERE / "driver.cpp",
     *(RUNTIME / "gecos" / f"{name}.cpp" for name in (
         "wire/check", "wire/decoder", "wire/decode_error", "wire/swap_copy", "wire/text",
-        "wire/json", "servant", "command", "description", "base/log", "base/clock",
+        "wire/json", "loan", "servant", "command", "description", "base/log", "base/clock",
     )),
     RUNTIME / "robcl" / "frames" / "frame.cpp",
     *(GENERATED / f"{name}.cpp" for name in (
