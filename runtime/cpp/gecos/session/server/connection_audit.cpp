@@ -23,8 +23,24 @@ audit::Line line_about(std::string_view event, const std::string& object,
 std::string ConnectionAudit::judged(const std::string& object,
                                     const AccessControl::Judgement& judgement) {
   if (!judgement.admitted) return refused("refused", object, judgement);
-  if (!judgement.own) audit_->add(line_about("admitted", object, judgement));
+  if (judgement.own) return "";
+  audit::Line entry = line_about("admitted", object, judgement);
+  if (judgement.visitor) {
+    const MutexLock lock(mutex_);
+    add_or_count(std::move(entry));
+  } else {
+    audit_->add(std::move(entry));
+  }
   return "";
+}
+
+void ConnectionAudit::add_or_count(audit::Line entry) {
+  const std::string what =
+      std::string(entry.event) + '\0' + entry.user + '\0' + entry.host + '\0' + entry.object;
+  const audit::Repeats::Key key{0, std::hash<std::string>()(what), 0};
+  if (repeats_.count(key, entry.request.counter)) return;
+  repeats_.begin(key, entry);
+  audit_->add(std::move(entry));
 }
 
 std::string ConnectionAudit::refused(std::string_view event, const std::string& object,
@@ -33,12 +49,7 @@ std::string ConnectionAudit::refused(std::string_view event, const std::string& 
   const MutexLock lock(mutex_);
   const std::uint64_t counter = ++refusals_;
   entry.request = {number(process_incarnation()), 0, counter};
-  const std::string what = std::string(event) + '\0' + entry.user + '\0' + entry.host + '\0';
-  const audit::Repeats::Key key{0, std::hash<std::string>()(what + object), 0};
-  if (!repeats_.count(key, counter)) {
-    repeats_.begin(key, entry);
-    audit_->add(std::move(entry));
-  }
+  add_or_count(std::move(entry));
   return judgement.text + named_request(SessionId{}, counter);
 }
 

@@ -18,7 +18,8 @@ class ConnectionAudit {
  public:
   explicit ConnectionAudit(std::shared_ptr<audit::Audit> audit) : audit_(std::move(audit)) {}
 
-  /// Records the judgement about a client that connects to `object`. Returns the text for the
+  /// Records the judgement about a client that connects to `object`. Repeated admissions of a
+  /// visitor within a second share a line. Returns the text for the
   /// client: why it may not connect, with the number of this refusal. Returns an empty text if the
   /// client may connect.
   std::string judged(const std::string& object, const AccessControl::Judgement& judgement);
@@ -30,6 +31,9 @@ class ConnectionAudit {
   void on_tick();
 
  private:
+  /// Writes the line. Equal events of one user within the next second are only counted.
+  void add_or_count(audit::Line entry) GECOS_REQUIRES(mutex_);
+
   Mutex mutex_;
   audit::Repeats repeats_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t refusals_ GECOS_GUARDED_BY(mutex_) = 0;

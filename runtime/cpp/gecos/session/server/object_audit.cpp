@@ -1,6 +1,6 @@
 #include "gecos/session/server/object_audit.hpp"
 
-#include <limits>
+#include <functional>
 #include <utility>
 
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
@@ -19,6 +19,13 @@ bool recorded(const OperationDescription& operation) {
 /// contain arguments of the call.
 bool answered_by_handler(const ServerCall& call) {
   return call.state.begun_at() && call.state.phase() >= CallState::Phase::Answered;
+}
+
+/// A visitor may open sessions and invent operations without end, so equal events of all sessions
+/// of one visitor count as repetitions.
+audit::Repeats::Key key_of_visitor(std::string_view event, const access::UserAtHost& who) {
+  const std::string all = std::string(event) + '\0' + who.user + '\0' + who.host;
+  return {0, std::hash<std::string>()(all), 0};
 }
 
 }  // namespace
@@ -45,14 +52,21 @@ void ObjectAudit::connected(ServerSession& session) {
   if (!audit_) return;
   audit::Line entry = line("connected", session.caller());
   entry.medium = session.connection().capabilities().name;
-  audit_->add(std::move(entry));
+  add_of_session(session, std::move(entry));
 }
 
 void ObjectAudit::disconnected(const ServerSession& session, std::string_view because) {
   if (!audit_) return;
   audit::Line entry = line("disconnected", session.caller());
   entry.why = because;
-  audit_->add(std::move(entry));
+  add_of_session(session, std::move(entry));
+}
+
+void ObjectAudit::add_of_session(const ServerSession& session, audit::Line entry) {
+  const access::UserAtHost* const visitor = session.visit.visitor();
+  if (visitor == nullptr) return audit_->add(std::move(entry));
+  const audit::Repeats::Key key = key_of_visitor(entry.event, *visitor);
+  if (!repeats_.count(key, 0)) begin(key, std::move(entry));
 }
 
 void ObjectAudit::status(std::string_view event, const ServerSession& session,
@@ -112,9 +126,7 @@ void ObjectAudit::refused(const ServerSession& session, std::uint64_t counter, F
 void ObjectAudit::visitor_refused(const ServerSession& session, std::uint64_t counter,
                                   std::string_view operation, const Failure& failure,
                                   const std::string& because) {
-  constexpr std::uint64_t any_operation = std::numeric_limits<std::uint64_t>::max();  // no code
-  const audit::Repeats::Key key{number(session.id()), any_operation,
-                                static_cast<std::uint8_t>(failure.detail)};
+  const audit::Repeats::Key key = key_of_visitor("command", *session.visit.visitor());
   if (!audit_ || repeats_.count(key, counter)) return;
   audit::Line entry = line("command", session.caller(), counter);
   entry.outcome = to_string(failure.detail);

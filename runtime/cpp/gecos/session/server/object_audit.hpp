@@ -25,6 +25,7 @@ class ObjectAudit {
       : object_(std::move(object)), audit_(std::move(audit)) {}
   ~ObjectAudit() { end(); }
 
+  /// The beginnings, and the ends, of the sessions of one visitor within a second share a line.
   void connected(ServerSession& session);
   void disconnected(const ServerSession& session, std::string_view because);
 
@@ -43,9 +44,9 @@ class ObjectAudit {
   void refused(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                std::string_view operation, const Failure& failure);
   /// Records a call that was refused because its client is a visitor (access/visitors.hpp).
-  /// Such calls of one session within a second share a line, whatever their operations: a visitor
-  /// can invent codes of operations without end. `because`: the part of the text of `failure` that
-  /// is the same for each of these calls.
+  /// Such calls of one visitor within a second share a line, whatever their operations and
+  /// sessions. `because`: the part of the text of `failure` that is the same for each of these
+  /// calls. @pre the client of `session` is a visitor
   void visitor_refused(const ServerSession& session, std::uint64_t counter,
                        std::string_view operation, const Failure& failure,
                        const std::string& because);
@@ -61,6 +62,8 @@ class ObjectAudit {
 
  private:
   audit::Line line(std::string_view event, const Caller& caller, std::uint64_t counter = 0) const;
+  /// Writes the line about the beginning or the end of a session.
+  void add_of_session(const ServerSession& session, audit::Line entry);
   /// Writes the line. Equal lines within the next second are only counted.
   void begin(const audit::Repeats::Key& key, audit::Line entry);
   void command(const ServerSession& session, std::uint64_t counter, FunctionCode code,
