@@ -224,7 +224,7 @@ def test_a_sample_that_a_cancelled_task_returned_is_read_in_place(
 
     async def main() -> None:
         task = asyncio.create_task(give_up())
-        await asyncio.sleep(0)
+        await asyncio.sleep(0)  # lets the task begin
         task.cancel()
         with pytest.raises(asyncio.CancelledError):
             await task

@@ -21,10 +21,10 @@ def stream_in_place(model: Model, attribute: Attribute) -> Member | None:
     attribute. Returns None if the attribute has no such member, or publishes no such samples."""
     if not attribute.streams_out or attribute.optional or attribute.event is not None:
         return None
-    return octets_in_place(model, attribute.type)
+    return _octets_in_place(model, attribute.type)
 
 
-def octets_in_place(model: Model, used: Type) -> Member | None:
+def _octets_in_place(model: Model, used: Type) -> Member | None:
     """Returns the member of which the octets are written and read in place if `used` is the type
     of a stream's samples: the only @bulk member that a sample can contain, if it is a
     `sequence<octet>` of the struct itself. Returns None for any other type."""

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "gecos/base/whole_characters.hpp"
+
 namespace gecos::broker {
 namespace {
 
@@ -37,10 +39,10 @@ TEST(Names, OfAdmittedUsersAndHostsAreShort) {
 }
 
 TEST(Names, AreShortenedAfterAWholeCharacter) {
-  EXPECT_EQ(shortened_name("RX90"), "RX90");
-  EXPECT_EQ(shortened_name(std::string(300, 'a')), std::string(256, 'a'));
+  EXPECT_EQ(whole_characters("RX90", 256), "RX90");
+  EXPECT_EQ(whole_characters(std::string(300, 'a'), 256), std::string(256, 'a'));
   const std::string longer = std::string(255, 'a') + "\u00fc" + "b";
-  EXPECT_EQ(shortened_name(longer), std::string(255, 'a'));
+  EXPECT_EQ(whole_characters(longer, 256), std::string(255, 'a'));
 }
 
 }  // namespace

@@ -5,22 +5,16 @@
 #include <cstdio>
 #include <ctime>
 
+#include "gecos/base/whole_characters.hpp"
+
 namespace gecos::audit {
 namespace {
 
 constexpr std::size_t longest_text = 1024;
 
-/// Returns at most the first `longest_text` bytes of `text`. Does not cut a UTF-8 character in two.
-std::string_view shortened(std::string_view text) {
-  if (text.size() <= longest_text) return text;
-  std::size_t length = longest_text;
-  while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0u) == 0x80u) --length;
-  return text.substr(0, length);
-}
-
 void add_text(std::string& to, std::string_view text) {
   to += '"';
-  for (const char c : shortened(text)) {
+  for (const char c : whole_characters(text, longest_text)) {
     if (c == '"' || c == '\\') {
       to += '\\';
       to += c;

@@ -13,6 +13,7 @@
 #include "gecos/base/log.hpp"
 #include "gecos/base/seconds.hpp"
 #include "gecos/base/thread.hpp"
+#include "gecos/base/whole_characters.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/broker/names.hpp"
 
@@ -242,7 +243,7 @@ Result<Entry> Broker::lookup(const std::string& name) {
   remove_ended();
   auto found = view().look_up(name);
   if (!found) {
-    found.error().name = shortened_name(name);  // bounds the reply
+    found.error().name = whole_characters(name, longest_name);  // bounds the reply
     return tl::unexpected(Fault(found.error()));
   }
   return *std::move(found);

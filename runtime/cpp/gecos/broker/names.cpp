@@ -23,14 +23,4 @@ std::string why_not_listed(const Entry& what, const std::optional<AdmittedNames>
   return {};
 }
 
-std::string shortened_name(const std::string& name) {
-  if (name.size() <= longest_name) return name;
-  const auto continues = [&](std::size_t at) {
-    return (static_cast<unsigned char>(name[at]) & 0xc0U) == 0x80U;
-  };
-  std::size_t length = longest_name;
-  while (length > 0 && continues(length)) --length;
-  return name.substr(0, length);
-}
-
 }  // namespace gecos::broker

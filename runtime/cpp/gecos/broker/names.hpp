@@ -16,8 +16,4 @@ inline constexpr std::size_t longest_name = 256;
 /// Returns why the broker does not list `what`; an empty text if it does.
 std::string why_not_listed(const Entry& what, const std::optional<AdmittedNames>& admitted);
 
-/// Returns the longest beginning of `name` that has at most `longest_name` bytes and ends with a
-/// whole character. @pre `name` is UTF-8
-std::string shortened_name(const std::string& name);
-
 }  // namespace gecos::broker

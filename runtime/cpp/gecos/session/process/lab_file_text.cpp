@@ -58,9 +58,9 @@ bool is_being_written(const struct stat& file) {
   return std::chrono::abs(age) < (file.st_size == 0 ? settled_empty_file : settled_file);
 }
 
-/// Returns whether the file was changed between two looks at it. The times at which the attributes
-/// changed (ctime) are compared, too, because a program that copies a file together with its
-/// modification time cannot set them.
+/// Returns whether a program changed the file between two readings of its attributes. The times at
+/// which the attributes changed (ctime) are compared, too, because a program that copies a file
+/// together with its modification time cannot set them.
 bool was_changed(const struct stat& before, const struct stat& after) {
   const auto equal = [](const timespec& one, const timespec& other) {
     return one.tv_sec == other.tv_sec && one.tv_nsec == other.tv_nsec;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 
+#include "gecos/base/whole_characters.hpp"
 #include "gecos/media/quiet.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/object_queue.hpp"
@@ -21,14 +23,9 @@ constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
 /// the text.
 Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried) {
   constexpr std::size_t longest_text = 1024;
-  std::size_t cut = std::min(failure.text.size(), longest_text);
-  const auto inside_character = [&] {
-    return cut < failure.text.size() &&
-           (static_cast<unsigned char>(failure.text[cut]) & 0xC0) == 0x80;
-  };
-  while (cut > 0 && inside_character()) --cut;
+  const std::string_view kept = whole_characters(failure.text, longest_text);
   return {failure.detail,
-          failure.text.substr(0, cut) + (cut < failure.text.size() ? "…" : "") +
+          std::string(kept) + (kept.size() < failure.text.size() ? "…" : "") +
               " (cut: the whole failure takes " + std::to_string(takes) +
               " bytes, the medium carries at most " + std::to_string(carried) + ")",
           {},
