@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 from itertools import cycle, product
 from pathlib import Path
 
+import control_loop
 import crowd
 import rampage
 from crowd import Crowd
@@ -146,6 +147,13 @@ def stream(seconds: int, build: Path, figures: Figures) -> None:
         figures.failed.append(f"stream_rate_test with STREAM_SECONDS={seconds}")
 
 
+def close_a_loop(seconds: int, build: Path, env: Mapping[str, str], figures: Figures) -> None:
+    loops = control_loop.run(seconds, build, env)
+    print(loops, flush=True)
+    if not loops.keeps_its_promise():
+        figures.failed.append(f"control loop for {seconds} s: {loops.closed.missed} cycles missed")
+
+
 def move(moves: int, build: Path, figures: Figures) -> None:
     """Straight and joint moves of each arm, stopped, held up and overridden at any time; and chains
     of such moves that go over into each other. 0 leaves them out."""
@@ -203,6 +211,7 @@ def main() -> int:
     parser.add_argument("--calls", type=int, default=1_000_000, help="over each faulty line")
     parser.add_argument("--packets", type=int, default=1_000_000, help="to the secure channel")
     parser.add_argument("--stream", type=int, default=60, help="seconds of a stream at 1 kHz")
+    parser.add_argument("--loop", type=int, default=60, help="seconds of a control loop at 1 kHz")
     parser.add_argument("--moves", type=int, default=20_000, help="of each arm")
     parser.add_argument("--hand-overs", type=int, default=100, help="at random places, both ways")
     parser.add_argument("--clients", type=int, default=1_000, help="idle ones, over each medium")
@@ -219,6 +228,7 @@ def main() -> int:
         os.environ["GECOS_AUDIT_DIR"] = env["GECOS_AUDIT_DIR"] = f"{made}/audit"
         os.environ["GECOS_KEY_DIR"] = env["GECOS_KEY_DIR"]
         gather_a_crowd(asked.clients, build, env, figures)
+        close_a_loop(asked.loop, build, env, figures)
         move(asked.moves, build, figures)
         hand_over(asked.hand_overs, build, figures)
         attack_the_channel(asked.packets, build, figures)
@@ -245,6 +255,7 @@ def main() -> int:
         f" {asked.calls} calls over each of two faulty lines,"
         f" {2 * asked.hand_overs} hand-overs,"
         f" {asked.packets} hostile packets, {asked.stream} s of a stream over each of two media,"
+        f" {asked.loop} s of a control loop,"
         f" {figures.outcomes.total()} commands ({told})"
     )
     for wrong in figures.failed:
