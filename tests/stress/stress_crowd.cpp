@@ -58,10 +58,10 @@ int fail(const What& what) {
 }
 
 int serve(const stress::Setting& setting) {
-  gecos::Lab lab;
-  gecos::Server server(lab);
   const auto names = names_in(setting.text("serve"));
   std::vector<QuickBench> benches(names.size());
+  gecos::Lab lab;
+  gecos::Server server(lab);
   for (std::size_t at = 0; at < names.size(); ++at) {
     const auto added = server.add(names[at], benches[at], stress::over(setting.medium()));
     if (!added) return fail(added.error().text);
