@@ -1,5 +1,5 @@
-// A control loop at 1 kHz that is closed by a client in another process; tests/stress/control_loop.py
-// starts both and judges. The first word says which of the two:
+// A control loop at 1 kHz that is closed by a client in another process;
+// tests/stress/control_loop.py starts both and judges. The first word says which of the two:
 //   device   serves LOOP, then does what each line of its input says, with 1,000 cycles a second:
 //              closed <cycles>   publishes a tick in each cycle, and expects its answer in the next
 //              bare <cycles>     only waits for each cycle
@@ -85,7 +85,8 @@ std::int64_t in_ns(Clock::time_point when) {
   return std::chrono::nanoseconds(when.time_since_epoch()).count();
 }
 
-void print(std::int64_t cycles, std::int64_t missed, const Cycles& waits, const Histogram& answered) {
+void print(std::int64_t cycles, std::int64_t missed, const Cycles& waits,
+           const Histogram& answered) {
   std::printf("cycles %ld missed %ld\n", cycles, missed);
   waits.woke().print("woke");
   answered.print("answered");

@@ -79,7 +79,8 @@ class Server {
   /// broker is told those of these names that the lab file of this server admits, too. The broker
   /// lets a user whom its own lab file does not admit find the objects of this server, and do
   /// nothing else. Throws std::invalid_argument if there are more than 256 users or more than 256
-  /// hosts. Programs of another user of this host can connect only if an administrator has prepared
+  /// hosts, or if a name is empty, is not UTF-8, or has more than 256 bytes or a control character.
+  /// Programs of another user of this host can connect only if an administrator has prepared
   /// the host for this (docs/security.md). Does not lower the status that an operation needs.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts = {});
   /// Waits until any thread of the process gets SIGINT or SIGTERM, or until `shut_down()`. Logs an

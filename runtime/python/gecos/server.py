@@ -52,7 +52,8 @@ class Server:
         connections that are made after the call, and replaces the names of an earlier call. The
         broker is told these names: it lets a user whom no list of its lab file admits look for the
         objects of this server, and do nothing else. Does not lower the status that an operation
-        needs. Raises ValueError if there are more than 256 users or more than 256 hosts.
+        needs. Raises ValueError if there are more than 256 users or more than 256 hosts,
+        or if a name is empty, or has more than 256 bytes or a control character.
         """
         self._core.allow(_names("users", users), _names("hosts", hosts))
 

@@ -102,6 +102,7 @@ TEST(LabFile, WithoutListsAdmitsNobodyBeyondTheUserOfTheServer) {
 }
 
 TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
+  const std::string too_long = "[allow]\nhosts = [\"" + std::string(257, 'a') + "\"]";
   const std::pair<const char*, const char*> errors[] = {
       {"\n[alow]\nusers = []", "lab.toml:2: alow: this key is unknown; did you mean allow?"},
       {"[allow]\n\nuser = [\"anna\"]",
@@ -145,6 +146,12 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
       {"[allow]\nusers = [\"\"]",
        "lab.toml:2: allow.users: a name is empty; a list of names is expected, for example users = "
        "[\"anna\"]"},
+      {"[allow]\nusers = [\"anna\", \"a\\u0000b\"]",
+       "lab.toml:2: allow.users: a name has a control character; a list of names is expected, for "
+       "example users = [\"anna\"]"},
+      {too_long.c_str(),
+       "lab.toml:2: allow.hosts: a name has more than 256 bytes; a list of names is expected, for "
+       "example hosts = [\"anna\"]"},
       {"[allow]\nusers = [\"anna\", \"*\"]",
        "lab.toml:2: allow.users: \"*\" admits all names, so the other names have no effect; remove "
        "\"*\" or the others"},

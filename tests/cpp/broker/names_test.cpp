@@ -28,13 +28,18 @@ TEST(Names, OfObjectsAreShortAndHarmless) {
   }
 }
 
-TEST(Names, OfAdmittedUsersAndHostsAreShort) {
+TEST(Names, OfAdmittedUsersAndHostsAreShortAndHarmless) {
   const std::string fits(longest_name, 'a');
   EXPECT_EQ(why_not_listed(object_named("RX90"), AdmittedNames{1, {fits, "*"}, {fits}}), "");
-  for (const auto& admitted :
-       {AdmittedNames{1, {"anna", fits + "a"}, {}}, AdmittedNames{1, {}, {"cell", fits + "a"}}}) {
-    EXPECT_NE(why_not_listed(object_named("RX90"), admitted).find("more than 256 bytes"),
-              std::string::npos);
+  for (const auto& [name, fault] :
+       {std::pair(fits + "a", "has more than 256 bytes"), std::pair(std::string(), "is empty"),
+        std::pair(std::string("a\x1b"), "has a control character")}) {
+    for (const auto& admitted :
+         {AdmittedNames{1, {"anna", name}, {}}, AdmittedNames{1, {}, {"cell", name}}}) {
+      EXPECT_EQ(why_not_listed(object_named("RX90"), admitted),
+                "of the users and hosts whom the server of RX90 admits, a name " +
+                    std::string(fault) + "; correct the list in its program or in its lab file");
+    }
   }
 }
 

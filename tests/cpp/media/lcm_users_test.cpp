@@ -7,6 +7,7 @@
 
 #include "gecos/media/sealed/keys.hpp"
 #include "lcm_recorder.hpp"
+#include "media_under_test.hpp"
 
 namespace gecos::media {
 namespace {
@@ -170,6 +171,26 @@ TEST_F(LcmUsers, TheServerDecidesByTheOwnerOfTheKeyThatAClientHasProved) {
   EXPECT_EQ(asked, "bob of desk. bob of bench. ");
   EXPECT_NE(server.connection->later_refusal()().find("has changed since its client connected"),
             std::string::npos);
+}
+
+TEST_F(LcmUsers, RefusedClientsOccupyNoDescriptorOfTheServer) {
+  admit("ada", "bob");
+  admit("bob", "ada");
+  const auto acceptor = ada_->listen("RX90", false).value();
+  acceptor->admit_by([](const Peer&) -> std::string { return "nobody is admitted"; });
+  const auto refuse_one = [&] {
+    const auto client = std::move(*bob_->connect(acceptor->address()));
+    const TimePoint end = too_late();
+    while (client->loss() == Loss::None && std::chrono::steady_clock::now() < end) {
+      EXPECT_EQ(acceptor->accept(), nullptr);
+      client->beat();
+    }
+    EXPECT_EQ(client->loss_text(), "nobody is admitted");
+  };
+  refuse_one();
+  const std::size_t before = open_descriptors();
+  for (int client = 0; client < 10; ++client) refuse_one();
+  EXPECT_EQ(open_descriptors(), before);
 }
 
 TEST_F(LcmUsers, TheServersOwnKeyAndAKeyWithoutAnOwnerAreTheServersUser) {

@@ -258,6 +258,24 @@ TEST_F(NamedInALabFile, TheBrokerIsToldNoMoreNamesThanItTakes) {
   EXPECT_EQ(broker_.users(), 256u);
 }
 
+TEST_F(NamedInALabFile, ANameThatTheFileRepeatsIsToldOnce) {
+  std::string names;
+  for (int i = 0; i < 300; ++i) names += "\"anna\", ";
+  edit("users = [" + names + "\"ben\"]");
+  limited_server_.allow({"*"});
+  serve_limited();
+  EXPECT_EQ(broker_.admitted(), "users: anna ben");
+}
+
+TEST_F(Named, NamesThatTheBrokerRefusesAreRefused) {
+  for (const std::string& name : {std::string(), std::string(257, 'a'), std::string("a\0b", 3),
+                                  std::string("a\n"), std::string("\xff\xfe")}) {
+    EXPECT_THROW(server_.allow({"anna", name}), std::invalid_argument) << name;
+    EXPECT_THROW(server_.allow({}, {"desk", name}), std::invalid_argument) << name;
+  }
+  server_.allow({std::string(256, 'a'), "J\u00fcrgen"}, {"*"});
+}
+
 TEST_F(Named, MoreNamesThanTheBrokerTakesAreRefused) {
   server_.allow(std::vector<std::string>(256, "anna"), std::vector<std::string>(256, "desk"));
   EXPECT_THROW(server_.allow(std::vector<std::string>(257, "anna")), std::invalid_argument);

@@ -97,6 +97,14 @@ AccessDecision nobody_named(const LabAccess& lab, const UserAtHost& server, cons
 
 }  // namespace
 
+std::string_view fault_of_name(std::string_view name) {
+  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  if (name.empty()) return "is empty";
+  if (name.size() > longest_name) return "has more than 256 bytes";
+  if (std::ranges::any_of(name, is_control)) return "has a control character";
+  return {};
+}
+
 NameDecision may_register(const LabAccess& lab, const std::string& name,
                           const std::optional<UserAtHost>& who) {
   const auto bound = lab.names.find(name);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -23,6 +24,12 @@ struct UserAtHost {
 
 /// The entry of an AllowList that stands for every name. A list with this entry has no other entry.
 inline constexpr std::string_view everyone = "*";
+
+/// The longest name of a user or of a host in a list, in bytes.
+inline constexpr std::size_t longest_name = 256;
+
+/// Returns why a list cannot have `name`, to be read after "a name "; an empty text if it can.
+std::string_view fault_of_name(std::string_view name);
 
 /// The users and hosts that may connect to a server, in addition to the user and the host of the
 /// server itself. A client is admitted if its user is in `users` or is the user of the server, and

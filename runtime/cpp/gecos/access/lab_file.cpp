@@ -214,7 +214,10 @@ class LabFileReader {
     for (const toml::node& element : *value->as_array()) {
       if (!element.is_string()) refuse(element.source(), place, wanted);
       names.push_back(element.ref<std::string>());
-      if (names.back().empty()) refuse(element.source(), place, "a name is empty; " + wanted);
+      const auto fault = fault_of_name(names.back());
+      if (!fault.empty()) {
+        refuse(element.source(), place, "a name " + std::string(fault) + "; " + wanted);
+      }
     }
     if (names.size() > 1 && std::ranges::find(names, everyone) != names.end()) {
       refuse(

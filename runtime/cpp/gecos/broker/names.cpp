@@ -14,11 +14,14 @@ std::string why_not_listed(const Entry& what, const std::optional<AdmittedNames>
     return "the name of an object has 1 to " + longest +
            " without control characters, and is not BROKER; give the object another name";
   }
-  const auto is_long = [](const std::string& name) { return name.size() > longest_name; };
-  if (admitted && (std::ranges::any_of(admitted->users, is_long) ||
-                   std::ranges::any_of(admitted->hosts, is_long))) {
-    return "a user or host whom the program of " + what.name + " admits has a name of more than " +
-           longest + "; correct Server::allow";
+  if (!admitted) return {};
+  for (const auto* const names : {&admitted->users, &admitted->hosts}) {
+    for (const auto& name : *names) {
+      const auto fault = access::fault_of_name(name);
+      if (fault.empty()) continue;
+      return "of the users and hosts whom the server of " + what.name + " admits, a name " +
+             std::string(fault) + "; correct the list in its program or in its lab file";
+    }
   }
   return {};
 }

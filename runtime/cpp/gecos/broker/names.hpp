@@ -10,7 +10,7 @@
 /// terminal.
 namespace gecos::broker {
 
-/// The longest name of an object, of a user and of a host, in bytes.
+/// The longest name of an object, in bytes.
 inline constexpr std::size_t longest_name = 256;
 
 /// Returns why the broker does not list `what`; an empty text if it does.

@@ -168,17 +168,13 @@ void HandshakeResponder::forget(std::uint64_t client) {
 }
 
 void HandshakeResponder::refuse(PendingPeer client, const std::string& why) {
-  auto out = options_.network->shared(client.reply_port);
+  const ByteView reason = std::as_bytes(std::span(why).first(std::min(why.size(), longest_reason)));
+  const InnerHeader what{InnerKind::Refuse, 0, options_.now_ns()};
   const MutexLock lock(mutex_);
   queues_.erase(client.client);
-  if (!out) return;
-  const ByteView reason = std::as_bytes(std::span(why).first(std::min(why.size(), longest_reason)));
-  auto sender = std::make_shared<SealedSender>(std::move(*out), channel_name("GC", client.client),
-                                               client.client, std::uint16_t{0});
-  sender->open(std::move(client.sealer));
   if (refused_.size() == most_refused) refused_.pop_front();
-  refused_.push_back(
-      {client.client, options_.now(), std::move(sender), {reason.begin(), reason.end()}});
+  refused_.push_back({client.client, client.reply_port, options_.now(),
+                      sealed_datagram(client.sealer, client.client, what, reason)});
   tell(refused_.back());
 }
 
@@ -189,9 +185,10 @@ void HandshakeResponder::refuse_again(std::uint64_t client) {
   if (found != refused_.end() && answers_.take(now)) tell(*found);
 }
 
-void HandshakeResponder::tell(const RefusedPeer& refused) {
-  Bytes memory;
-  refused.sender->send({InnerKind::Refuse, 0, options_.now_ns()}, {}, refused.why, memory);
+/// Opens the port of the client for this datagram only: a refused client occupies no descriptor.
+void HandshakeResponder::tell(const RefusedPeer& refused) const {
+  const auto out = options_.network->shared(refused.reply_port);
+  if (out) (*out)->publish(channel_name("GC", refused.client), refused.datagram);
 }
 
 std::unique_ptr<StreamWriter> HandshakeResponder::make_stream(std::size_t largest,

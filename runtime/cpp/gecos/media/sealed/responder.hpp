@@ -43,7 +43,7 @@ class HandshakeResponder {
   std::optional<PendingPeer> next_pending();
   void forget(std::uint64_t client);
   /// Tells a client that it is refused, and why. Repeats this for each datagram that the client
-  /// sends in the next seconds, because a datagram may be lost.
+  /// sends in the next seconds, because a datagram may be lost. Keeps no port open meanwhile.
   void refuse(PendingPeer client, const std::string& why);
   /// Makes a stream for all clients of the object. Throws std::runtime_error when the port of the
   /// stream cannot be opened. Any thread may call this function.
@@ -79,16 +79,16 @@ class HandshakeResponder {
   /// A client that was told why it is refused.
   struct RefusedPeer {
     std::uint64_t client = 0;
+    std::uint16_t reply_port = 0;
     TimePoint since;
-    std::shared_ptr<SealedSender> sender;
-    Bytes why;
+    Bytes datagram;  ///< says why; sent as often as needed
   };
   void take(ByteView datagram);
   void take_first(const DatagramHeader& header, ByteView datagram, TimePoint now);
   void take_sealed(const DatagramHeader& header, ByteView datagram);
   void confirm(const DatagramHeader& header, ByteView datagram) GECOS_REQUIRES(mutex_);
   void refuse_again(std::uint64_t client) GECOS_REQUIRES(mutex_);
-  void tell(const RefusedPeer& refused);
+  void tell(const RefusedPeer& refused) const;
   std::optional<crypto::KeyOwner> owner_of(const crypto::PublicKey& key) const;
   void answer(const DatagramHeader& to, DatagramKind kind, ByteView frame, TimePoint now);
 

@@ -9,7 +9,31 @@ namespace {
 constexpr std::size_t inner_at = DatagramHeader::bytes + crypto::Sealer::text_at;
 constexpr std::size_t body_at = inner_at + InnerHeader::bytes;
 
+/// Writes into `memory` what seal() encrypts.
+void write(const DatagramHeader& header, InnerHeader what, ByteView head, ByteView body,
+           Bytes& memory) {
+  memory.resize(body_at + head.size() + body.size() + crypto::tag_bytes);
+  const std::span<std::byte> all(memory);
+  header.write(all.first<DatagramHeader::bytes>());
+  what.write(all.subspan<inner_at, InnerHeader::bytes>());
+  const auto rest = std::ranges::copy(head, memory.begin() + body_at).out;
+  std::ranges::copy(body, rest);
+}
+
+void seal(crypto::Sealer& sealer, Bytes& datagram) {
+  const std::span<std::byte> all(datagram);
+  sealer.seal(all.first(DatagramHeader::bytes), all.subspan(DatagramHeader::bytes));
+}
+
 }  // namespace
+
+Bytes sealed_datagram(crypto::Sealer& sealer, std::uint64_t client, InnerHeader what,
+                      ByteView body) {
+  Bytes datagram;
+  write({DatagramKind::Sealed, 0, client}, what, {}, body, datagram);
+  seal(sealer, datagram);
+  return datagram;
+}
 
 SealedSender::SealedSender(std::shared_ptr<DatagramPort> port, std::string channel,
                            std::uint64_t client, std::uint16_t reply_port)
@@ -22,7 +46,7 @@ void SealedSender::open(crypto::Sealer sealer) {
   const MutexLock lock(mutex_);
   sealer_.emplace(std::move(sealer));
   for (Bytes& datagram : held_) {
-    seal(datagram);
+    seal(*sealer_, datagram);
     port_->publish(channel_, datagram);
   }
   held_.clear();
@@ -34,7 +58,7 @@ bool SealedSender::is_open() {
 }
 
 bool SealedSender::send(InnerHeader what, ByteView head, ByteView body, Bytes& memory) {
-  write(what, head, body, memory);
+  write({DatagramKind::Sealed, reply_port_, client_}, what, head, body, memory);
   {
     const MutexLock lock(mutex_);
     if (!sealer_) {
@@ -45,7 +69,7 @@ bool SealedSender::send(InnerHeader what, ByteView head, ByteView body, Bytes& m
       }
       return true;
     }
-    seal(memory);
+    seal(*sealer_, memory);
   }
   return port_->publish(channel_, memory);
 }
@@ -66,21 +90,6 @@ std::array<std::byte, DatagramHeader::bytes> SealedSender::header(DatagramKind k
 void SealedSender::on_tick(TimePoint now) {
   const MutexLock lock(mutex_);
   if (sealer_) sealer_->on_tick(now);
-}
-
-void SealedSender::write(InnerHeader what, ByteView head, ByteView body, Bytes& memory) const {
-  memory.resize(body_at + head.size() + body.size() + crypto::tag_bytes);
-  const std::span<std::byte> all(memory);
-  DatagramHeader{DatagramKind::Sealed, reply_port_, client_}.write(
-      all.first<DatagramHeader::bytes>());
-  what.write(all.subspan<inner_at, InnerHeader::bytes>());
-  const auto rest = std::ranges::copy(head, memory.begin() + body_at).out;
-  std::ranges::copy(body, rest);
-}
-
-void SealedSender::seal(Bytes& datagram) {
-  const std::span<std::byte> all(datagram);
-  sealer_->seal(all.first(DatagramHeader::bytes), all.subspan(DatagramHeader::bytes));
 }
 
 }  // namespace gecos::media

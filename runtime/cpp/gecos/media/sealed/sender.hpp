@@ -13,6 +13,10 @@
 
 namespace gecos::media {
 
+/// Returns a datagram of `client` that carries one message, encrypted by `sealer`.
+Bytes sealed_datagram(crypto::Sealer& sealer, std::uint64_t client, InnerHeader what,
+                      ByteView body);
+
 /// Encrypts and sends the messages of one end of a connection. Any thread may use it.
 class SealedSender {
  public:
@@ -41,9 +45,6 @@ class SealedSender {
   void on_tick(TimePoint now);
 
  private:
-  void write(InnerHeader what, ByteView head, ByteView body, Bytes& memory) const;
-  void seal(Bytes& datagram) GECOS_REQUIRES(mutex_);
-
   const std::shared_ptr<DatagramPort> port_;
   const std::string channel_;
   const std::uint64_t client_;

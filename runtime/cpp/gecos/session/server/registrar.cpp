@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include "gecos/access/visitors.hpp"
@@ -47,6 +49,11 @@ bool others_find(const Entry& entry, const ClientConnection& broker) {
 std::uint64_t next_number() {
   static std::atomic<std::uint64_t> last{0};  // publishes nothing but itself
   return ++last;
+}
+
+void keep_first_of_each(std::vector<std::string>& names) {
+  std::set<std::string_view> seen;
+  std::erase_if(names, [&](const auto& name) { return !seen.insert(name).second; });
 }
 
 }  // namespace
@@ -185,6 +192,7 @@ void Registrar::renew_lists() {
 bool Registrar::renew(Registration& registration) const {
   const std::string& name = registration.entry.name;
   access::AllowList now = access_->named_by_program(name);
+  for (auto* const names : {&now.users, &now.hosts}) keep_first_of_each(*names);
   const bool too_many = std::max(now.users.size(), now.hosts.size()) > access::most_admitted_names;
   for (auto* const names : {&now.users, &now.hosts}) {
     names->resize(std::min(names->size(), access::most_admitted_names));

@@ -16,6 +16,7 @@
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/system_error.hpp"
+#include "gecos/base/whole_characters.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/session/client/context.hpp"
 #include "gecos/session/process/termination_signals.hpp"
@@ -25,6 +26,7 @@
 #include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/registrar.hpp"
 #include "gecos/session/server/zone_watch.hpp"
+#include "gecos/wire/text.hpp"
 
 namespace gecos {
 
@@ -48,6 +50,16 @@ tl::unexpected<ServeError> served_already(const std::string& name, const Servant
                                    servant.gecos_served_as() +
                                    ", and can publish under one name only; create a servant for "
                                    "each name"});
+}
+
+/// Throws std::invalid_argument if a list cannot have `name`.
+void refuse_name(const std::string& name) {
+  const bool is_text = wire::valid_utf8(name);
+  const auto fault = is_text ? access::fault_of_name(name) : "is not UTF-8";
+  if (fault.empty()) return;
+  const std::string shown = is_text ? ", \"" + std::string(whole_characters(name, 32)) + "\"" : "";
+  throw std::invalid_argument("Server::allow: a name" + shown + " " + std::string(fault) +
+                              "; give the names of users and hosts as the system writes them");
 }
 
 }  // namespace
@@ -371,6 +383,9 @@ void Server::allow(std::vector<std::string> users, std::vector<std::string> host
     throw std::invalid_argument(
         "Server::allow takes at most 256 users and 256 hosts: name the others in a lab file, or "
         "admit every name by \"*\"");
+  }
+  for (const auto* const names : {&users, &hosts}) {
+    for (const auto& name : *names) refuse_name(name);
   }
   if (core_) (*core_)->allow(std::move(users), std::move(hosts));
 }
