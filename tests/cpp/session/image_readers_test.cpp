@@ -96,11 +96,11 @@ void read_all(probe::Child::Line& line, Kind kind) {
   }
 }
 
-/// Says "holds" while it holds its first picture.
-void hold_one(probe::Child::Line& line, Kind kind) {
+/// Says "keeps" while it keeps its first picture.
+void keep_one(probe::Child::Line& line, Kind kind) {
   const auto connected = subscribe(line, kind);
   const auto sample = connected->pictures->next_in_place(20s);
-  line.say(sample ? "holds" : "got none");
+  line.say(sample ? "keeps" : "got none");
   line.hear();
 }
 
@@ -108,12 +108,12 @@ class ImageReaders : public ::testing::TestWithParam<Kind> {
  protected:
   probe::Place place_;
   std::list<probe::Child> reading_;
-  probe::Child dying_{[](probe::Child::Line& line) { hold_one(line, GetParam()); }};
+  probe::Child dying_{[](probe::Child::Line& line) { keep_one(line, GetParam()); }};
 };
 INSTANTIATE_TEST_SUITE_P(Over, ImageReaders, ::testing::Values(Kind::Shm, Kind::Lcm),
                          gecos::media::name_of);
 
-TEST_P(ImageReaders, InOtherProcessesShareOneMemoryAndHoldNobodyUp) {
+TEST_P(ImageReaders, InOtherProcessesShareOneMemoryAndNeverDelayTheWriter) {
   for (int reader = 0; reader < 3; ++reader) {
     reading_.emplace_back([](probe::Child::Line& line) { read_all(line, GetParam()); });
   }
@@ -131,7 +131,7 @@ TEST_P(ImageReaders, InOtherProcessesShareOneMemoryAndHoldNobodyUp) {
 
   std::uint16_t number = 1;
   ASSERT_NE(camera.show(number), nullptr);
-  ASSERT_EQ(dying_.line().hear(), "holds");
+  ASSERT_EQ(dying_.line().hear(), "keeps");
   dying_.kill_at_once();
   frozen.signal(SIGSTOP);
   while (++number < last_picture) ASSERT_NE(camera.show(number), nullptr) << number;

@@ -288,6 +288,36 @@ TEST(ObjectQueue, ReadingsOfOthersStartBesideThoseOfAClientThatMustWait) {
   EXPECT_EQ(queue.next(), waits);
 }
 
+TEST(ObjectQueue, ReadersTakeTurns) {
+  constexpr SessionId cem{3};
+  ObjectQueue queue(LaneThreads::One);
+  std::vector<std::shared_ptr<QueueEntry>> of_ada;
+  for (int reading = 0; reading < 4; ++reading) {
+    of_ada.push_back(entry(reads, ada));
+    ASSERT_TRUE(queue.push(of_ada.back()));
+  }
+  const auto starts = [&](const std::shared_ptr<QueueEntry>& expected) {
+    const auto next = queue.next();
+    EXPECT_EQ(next, expected);
+    if (next) finish(queue, *next);
+  };
+  starts(of_ada[0]);
+  const auto of_bob = entry(reads, bob);
+  const auto of_cem = entry(reads, cem);
+  ASSERT_TRUE(queue.push(of_bob));
+  ASSERT_TRUE(queue.push(of_cem));
+  starts(of_ada[1]);  // it was Ada's turn when Bob came
+  starts(of_bob);
+  const auto again = entry(reads, bob);
+  ASSERT_TRUE(queue.push(again));
+  starts(of_cem);
+  starts(of_ada[2]);
+  starts(again);
+  EXPECT_TRUE(queue.remove(*of_ada[3]));
+  starts(nullptr);
+  EXPECT_TRUE(queue.idle());
+}
+
 TEST(ObjectQueue, ActorCommandsKeepTheirOrderBehindOneThatMustWait) {
   ObjectQueue queue(LaneThreads::Many);
   const auto waits = entry(moves, ada);

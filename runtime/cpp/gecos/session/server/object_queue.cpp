@@ -1,6 +1,7 @@
 #include "gecos/session/server/object_queue.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace gecos::session {
 namespace {
@@ -67,14 +68,18 @@ tl::expected<std::size_t, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<Q
   } else {
     entry->lane = CallLane::Actor;
   }
-  lane_of(*entry).push_back(std::move(entry));
+  if (entry->lane == CallLane::Sensor) {
+    sensor_.push(std::move(entry));
+  } else {
+    lane_of(*entry).push_back(std::move(entry));
+  }
   return commands_before;
 }
 
 std::size_t ObjectQueue::count_waiting(const QueueEntry& entry,
                                        FunctionRef<bool(const QueueEntry&)> which) const {
   std::ptrdiff_t count = 0;
-  for (const Lane* lane : {&sensor_, &actor_}) {
+  for (const Lane* lane : {&sensor_.waiting(), &std::as_const(actor_)}) {
     if (lane == &actor_ && replaces(entry)) continue;
     count += std::ranges::count_if(*lane, [&](const auto& other) { return which(*other); });
   }
@@ -113,14 +118,7 @@ bool ObjectQueue::idle() const {
 }
 
 ObjectQueue::Lane& ObjectQueue::lane_of(const QueueEntry& entry) {
-  switch (entry.lane) {
-    case CallLane::Safety:
-      return safety_;
-    case CallLane::Sensor:
-      return sensor_;
-    default:
-      return actor_;
-  }
+  return entry.lane == CallLane::Safety ? safety_ : actor_;
 }
 
 bool ObjectQueue::beside_running(const QueueEntry& entry) const {
@@ -138,12 +136,7 @@ std::vector<QueueEntry*> ObjectQueue::holding_up() const {
 }
 
 std::shared_ptr<QueueEntry> ObjectQueue::next() {
-  if (threads_ == LaneThreads::One && inside_ != 0) return nullptr;
-  for (Lane* const lane : {&safety_, &sensor_}) {
-    if (!lane->empty()) return start(*lane, lane->begin());
-  }
-  const auto at = next_command();
-  return at == actor_.end() ? nullptr : start(actor_, at);
+  return next([](const QueueEntry&) { return true; });
 }
 
 /// Returns the actor command that may start next: the first one or, while the first one must wait,
@@ -155,10 +148,10 @@ ObjectQueue::Lane::iterator ObjectQueue::next_command() {
 
 std::shared_ptr<QueueEntry> ObjectQueue::next(FunctionRef<bool(const QueueEntry&)> wanted) {
   if (threads_ == LaneThreads::One && inside_ != 0) return nullptr;
-  for (Lane* const lane : {&safety_, &sensor_}) {
-    const auto at = std::ranges::find_if(*lane, [&](const auto& entry) { return wanted(*entry); });
-    if (at != lane->end()) return start(*lane, at);
-  }
+  const auto safety =
+      std::ranges::find_if(safety_, [&](const auto& entry) { return wanted(*entry); });
+  if (safety != safety_.end()) return start(safety_, safety);
+  if (auto reading = sensor_.take(wanted)) return start(std::move(reading));
   const auto at = next_command();
   return at == actor_.end() || !wanted(**at) ? nullptr : start(actor_, at);
 }
@@ -166,6 +159,10 @@ std::shared_ptr<QueueEntry> ObjectQueue::next(FunctionRef<bool(const QueueEntry&
 std::shared_ptr<QueueEntry> ObjectQueue::start(Lane& lane, Lane::iterator at) {
   auto entry = std::move(*at);
   lane.erase(at);
+  return start(std::move(entry));
+}
+
+std::shared_ptr<QueueEntry> ObjectQueue::start(std::shared_ptr<QueueEntry> entry) {
   ++inside_;
   if (entry->lane == CallLane::Actor) running_.push_back(entry.get());
   return entry;
@@ -179,6 +176,7 @@ void ObjectQueue::ended(const QueueEntry& entry) {
 }
 
 bool ObjectQueue::remove(const QueueEntry& entry) {
+  if (entry.lane == CallLane::Sensor) return sensor_.remove(entry);
   Lane& lane = lane_of(entry);
   const auto at = std::find_if(lane.begin(), lane.end(),
                                [&](const auto& other) { return other.get() == &entry; });
@@ -189,10 +187,12 @@ bool ObjectQueue::remove(const QueueEntry& entry) {
 
 std::vector<std::shared_ptr<QueueEntry>> ObjectQueue::drop() {
   std::vector<std::shared_ptr<QueueEntry>> dropped;
-  for (Lane* lane : {&safety_, &sensor_, &actor_}) {
+  for (const Lane* lane : {&std::as_const(safety_), &sensor_.waiting(), &std::as_const(actor_)}) {
     dropped.insert(dropped.end(), lane->begin(), lane->end());
-    lane->clear();
   }
+  safety_.clear();
+  sensor_.clear();
+  actor_.clear();
   return dropped;
 }
 

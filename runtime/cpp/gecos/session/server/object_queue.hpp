@@ -12,6 +12,7 @@
 #include "gecos/base/result.hpp"
 #include "gecos/description.hpp"
 #include "gecos/session/protocol/start_words.hpp"
+#include "gecos/session/server/reading_lane.hpp"
 
 namespace gecos::session {
 
@@ -37,10 +38,10 @@ enum class LaneThreads : std::uint8_t {
 };
 
 /// Decides in which order the calls of one object start. The queue has three lanes: safety
-/// operations start first, then sensor operations, then actor commands. The lane of the actor
-/// commands is bounded and first in, first out. Actor commands run one at a time, unless the
-/// interface says otherwise. A @parallel command does not wait for the commands before it. Not
-/// thread-safe.
+/// operations start first, then sensor operations, in turns of the clients, then actor commands.
+/// The lane of the actor commands is bounded and first in, first out. Actor commands run one at a
+/// time, unless the interface says otherwise. A @parallel command does not wait for the commands
+/// before it. Not thread-safe.
 class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;
@@ -98,10 +99,11 @@ class ObjectQueue {
 
  private:
   using Lane = std::deque<std::shared_ptr<QueueEntry>>;
-  Lane& lane_of(const QueueEntry& entry);
+  Lane& lane_of(const QueueEntry& entry);  ///< not for a reading
   bool keeps_place(const QueueEntry& entry) const;
   Lane::iterator next_command();
   std::shared_ptr<QueueEntry> start(Lane& lane, Lane::iterator at);
+  std::shared_ptr<QueueEntry> start(std::shared_ptr<QueueEntry> entry);
   /// Returns how many calls that have not started `which` selects. Safety operations do not count,
   /// nor do the actor commands that `entry` replaces.
   std::size_t count_waiting(const QueueEntry& entry,
@@ -111,7 +113,7 @@ class ObjectQueue {
 
   const LaneThreads threads_;
   Lane safety_;
-  Lane sensor_;
+  ReadingLane sensor_;
   Lane actor_;
   std::vector<QueueEntry*> running_;
   std::size_t inside_ = 0;                ///< number of handlers whose thread has not returned
