@@ -1,4 +1,4 @@
-// Cap'n Proto RPC over a Unix socket. HOW is unix; the address is the socket's.
+// Cap'n Proto RPC over a Unix socket. HOW is unix, or images over it; the address is the socket's.
 
 #include <capnp/ez-rpc.h>
 #include <unistd.h>
@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "exchange.capnp.h"
+#include "images.hpp"
 #include "speaker.hpp"
 
 namespace peers {
@@ -19,12 +20,28 @@ class Echo final : public Exchange::Server {
   }
 };
 
-void serve(const std::string&) {
+class Images final : public Camera::Server {
+  kj::Promise<void> next(NextContext context) override {
+    camera_.begin();
+    auto results = context.getResults(capnp::MessageSize{images::size / 8 + 8, 0});
+    camera_.write(results.initImage(images::size).begin());
+    return kj::READY_NOW;
+  }
+
+  images::Camera camera_;
+};
+
+template <class Servant>
+void serve_object() {
   const std::string address = "unix-abstract:bench-peers-capnp-" + std::to_string(::getpid());
-  capnp::EzRpcServer server(kj::heap<Echo>(), address);
+  capnp::EzRpcServer server(kj::heap<Servant>(), address);
   say_ready(address);
   kj::NEVER_DONE.wait(server.getWaitScope());
 }
+
+void serve(const std::string&) { serve_object<Echo>(); }
+
+void serve_images(const std::string&) { serve_object<Images>(); }
 
 class CapnpClient final : public PipeliningClient {
  public:
@@ -72,10 +89,39 @@ class CapnpClient final : public PipeliningClient {
   std::unique_ptr<Connection> connection_;
 };
 
+class ImageReader final : public images::Reader {
+ public:
+  explicit ImageReader(const std::string& address)
+      : connection_(std::make_unique<Connection>(address)) {}
+  const std::uint8_t* next() override {
+    auto& [rpc, object, response] = *connection_;
+    response = nullptr;
+    response = object.nextRequest().send().wait(rpc.getWaitScope());
+    return KJ_ASSERT_NONNULL(response).getImage().begin();
+  }
+
+ private:
+  /// Apart, as that of calls.
+  struct Connection {
+    explicit Connection(const std::string& address)
+        : rpc(address), object(rpc.getMain<Camera>()) {}
+    capnp::EzRpcClient rpc;
+    Camera::Client object;
+    kj::Maybe<capnp::Response<Camera::NextResults>> response;
+  };
+  std::unique_ptr<Connection> connection_;
+};
+
 }  // namespace
 }  // namespace peers
 
 int main(int argc, char** argv) {
+  if (peers::images::wanted(argc, argv)) {
+    return peers::images::speak(argc, argv, peers::serve_images,
+                                [](const std::string&, const std::string& address) {
+                                  return std::make_unique<peers::ImageReader>(address);
+                                });
+  }
   return peers::speak(argc, argv, peers::serve, [](const std::string&, const std::string& address) {
     return std::make_unique<peers::CapnpClient>(address);
   });

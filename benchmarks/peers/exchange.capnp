@@ -7,3 +7,6 @@ struct Sample {
 interface Exchange {
   echo @0 (given :Sample) -> (answer :Sample);
 }
+interface Camera {
+  next @0 () -> (image :Data);
+}

@@ -1,19 +1,40 @@
-"""Our client in Python, for the server of gecos_peer.cpp:  gecos_client.py call shm|lcm EXCHANGE"""
+"""Our client in Python, for the server of gecos_peer.cpp:  gecos_client.py call shm|lcm EXCHANGE
+gecos_client.py call images-poll CAMERA"""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 
 import gecos
+import images
 import numpy as np
-from exchange import Exchange, Sample
+from exchange import Camera, Exchange, Image, Sample
 from speaker import speak
 
 PASSWORD = "all clients of one benchmark"
 
 
 def main() -> None:
-    medium, name = sys.argv[2:]
+    how, name = sys.argv[2:]
+    read_images(name) if how == "images-poll" else make_calls(how, name)
+
+
+def read_images(name: str) -> None:
+    stream = gecos.Lab().create(Camera, name, medium="shm").image.stream()
+    read = 0
+
+    def next_image() -> tuple[images.Octets, Callable[[], bool]]:
+        nonlocal read
+        while (sample := stream.latest_in_place()) is None or sample.sequence == read:
+            pass
+        read = sample.sequence
+        return np.asarray(sample.octets), sample.intact
+
+    images.speak(next_image)
+
+
+def make_calls(medium: str, name: str) -> None:
     exchange = gecos.Lab().create(Exchange, name, medium=medium)
     axis = np.zeros(7)
 

@@ -1,6 +1,9 @@
 // Ours: an operation that moves the device, so with a lease that is checked, the object's queue,
 // and a typed reply; waiting as it comes. The broker lives in the server, in GECOS_RUNTIME_DIR.
-//   shm, lcm   the medium; over lcm all is encrypted
+//   shm, lcm     the medium; over lcm all is encrypted
+//   images-poll  images over shm, written and read in place; the client asks for the newest one
+//                again and again
+//   images-wait  the same; the client waits for the next one
 // A client becomes the user that BENCHMARK_USER names, whom a list of the lab file admits to
 // EXCHANGE; the audit records the commands. OPEN has no list, so it serves the user of the server
 // alone; its readings need no status, and are not recorded.
@@ -15,11 +18,13 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "exchange_client.hpp"
 #include "exchange_server.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
+#include "images.hpp"
 #include "speaker.hpp"
 
 namespace peers {
@@ -119,10 +124,78 @@ class GecosClient final : public PipeliningClient {
   std::deque<gecos::Command<bench::Sample>> issued_;
 };
 
+// Images
+
+class LendingCamera final : public bench::CameraServant {
+ public:
+  [[noreturn]] void publish_for_ever() {
+    for (images::Camera camera;;) {
+      camera.begin();
+      auto loan = lend_image({}, images::size);
+      if (!loan) throw std::runtime_error("no memory for an image");
+      camera.write_and_send(loan.octets().data(), [&] { loan.publish(); });
+    }
+  }
+
+ private:
+  gecos::Result<bench::Image> image() override { return bench::Image{}; }
+};
+
+void serve_images(const std::string&) {
+  gecos::broker::Broker broker;
+  LendingCamera camera;
+  gecos::Lab lab;
+  gecos::Server server(lab);
+  auto served = broker.serve(server, {gecos::media::Kind::Shm});
+  const gecos::ObjectOptions options{.simulated = true, .media = {gecos::media::Kind::Shm}};
+  if (served) served = server.add("CAMERA", camera, options);
+  if (!served) throw std::runtime_error(served.error().text);
+  say_ready("CAMERA");
+  std::thread([&] { camera.publish_for_ever(); }).detach();
+  server.run();
+  std::_Exit(0);  // the camera does not end
+}
+
+class ImageReader final : public images::Reader {
+ public:
+  ImageReader(const std::string& how, const std::string& name)
+      : waits_(how == "images-wait"),
+        object_(must(lab_.create<bench::Camera>(name, {.medium = gecos::media::Kind::Shm}))),
+        stream_(must(object_.image(gecos::stream))) {}
+
+  const std::uint8_t* next() override {
+    const std::uint64_t read = sample_ ? sample_->sequence : 0;
+    if (waits_) {
+      sample_ = must(stream_.next_in_place(std::chrono::seconds(10)));
+    } else {
+      do {
+        sample_ = stream_.latest_in_place();
+      } while (!sample_ || sample_->sequence == read);
+    }
+    return sample_->octets.data();
+  }
+  void done() override {
+    if (!sample_->intact()) throw std::runtime_error("an image was overwritten");
+  }
+
+ private:
+  const bool waits_;
+  gecos::Lab lab_;
+  bench::Camera object_;
+  gecos::Stream<bench::Image> stream_;
+  std::optional<gecos::SampleInPlace<bench::Image>> sample_;
+};
+
 }  // namespace
 }  // namespace peers
 
 int main(int argc, char** argv) {
+  if (peers::images::wanted(argc, argv)) {
+    return peers::images::speak(argc, argv, peers::serve_images,
+                                [](const std::string& how, const std::string& name) {
+                                  return std::make_unique<peers::ImageReader>(how, name);
+                                });
+  }
   return peers::speak(argc, argv, peers::serve,
                       [](const std::string& how, const std::string& name) {
                         const char* const user = std::getenv("BENCHMARK_USER");

@@ -1,5 +1,5 @@
-// ZeroC Ice, its C++11 mapping. HOW is its transport, tcp (it has no Unix sockets); the address is
-// the proxy.
+// ZeroC Ice, its C++11 mapping. HOW is its transport, tcp (it has no Unix sockets), or images over
+// tcp; the address is the proxy.
 
 #include <Ice/Ice.h>
 
@@ -8,6 +8,7 @@
 #include <future>
 
 #include "exchange.h"
+#include "images.hpp"
 #include "speaker.hpp"
 
 namespace peers {
@@ -17,10 +18,29 @@ class Echo final : public PeersIce::Exchange {
   PeersIce::Sample echo(PeersIce::Sample given, const Ice::Current&) override { return given; }
 };
 
-void serve(const std::string& how) {
-  const Ice::CommunicatorHolder ice(Ice::initialize());
-  const auto adapter = ice->createObjectAdapterWithEndpoints("Exchange", how + " -h 127.0.0.1");
-  const auto proxy = adapter->add(std::make_shared<Echo>(), Ice::stringToIdentity("exchange"));
+class Images final : public PeersIce::Camera {
+  PeersIce::Image next(const Ice::Current&) override {
+    camera_.begin();
+    PeersIce::Image image(images::size);
+    camera_.write(image.data());
+    return image;
+  }
+
+  images::Camera camera_;
+};
+
+Ice::InitializationData settings() {
+  Ice::InitializationData settings;
+  settings.properties = Ice::createProperties();
+  settings.properties->setProperty("Ice.MessageSizeMax", "16384");  // KiB; its default is 1 MiB
+  return settings;
+}
+
+void serve_object(const std::shared_ptr<Ice::Object>& object, const std::string& transport) {
+  const Ice::CommunicatorHolder ice(Ice::initialize(settings()));
+  const auto adapter =
+      ice->createObjectAdapterWithEndpoints("Exchange", transport + " -h 127.0.0.1");
+  const auto proxy = adapter->add(object, Ice::stringToIdentity("exchange"));
   adapter->activate();
   std::string address = proxy->ice_toString();  // "exchange -t -e 1.1:tcp -h …", with spaces
   std::replace(address.begin(), address.end(), ' ', '|');
@@ -28,12 +48,20 @@ void serve(const std::string& how) {
   ice->waitForShutdown();
 }
 
+void serve(const std::string& how) { serve_object(std::make_shared<Echo>(), how); }
+
+void serve_images(const std::string&) { serve_object(std::make_shared<Images>(), "tcp"); }
+
+template <class Proxy>
+std::shared_ptr<Proxy> proxy_at(Ice::CommunicatorHolder& ice, std::string address) {
+  std::replace(address.begin(), address.end(), '|', ' ');
+  return Ice::checkedCast<Proxy>(ice->stringToProxy(address));
+}
+
 class IceClient final : public PipeliningClient {
  public:
-  explicit IceClient(std::string address) {
-    std::replace(address.begin(), address.end(), '|', ' ');
-    object_ = Ice::checkedCast<PeersIce::ExchangePrx>(ice_->stringToProxy(address));
-  }
+  explicit IceClient(const std::string& address)
+      : object_(proxy_at<PeersIce::ExchangePrx>(ice_, address)) {}
   Sample call(const Sample& sample) override { return ours(object_->echo(theirs(sample))); }
 
  protected:
@@ -59,10 +87,31 @@ class IceClient final : public PipeliningClient {
   std::deque<std::future<PeersIce::Sample>> issued_;
 };
 
+class ImageReader final : public images::Reader {
+ public:
+  explicit ImageReader(const std::string& address)
+      : object_(proxy_at<PeersIce::CameraPrx>(ice_, address)) {}
+  const std::uint8_t* next() override {
+    image_ = object_->next();
+    return image_.data();
+  }
+
+ private:
+  Ice::CommunicatorHolder ice_{Ice::initialize(settings())};
+  std::shared_ptr<PeersIce::CameraPrx> object_;
+  PeersIce::Image image_;
+};
+
 }  // namespace
 }  // namespace peers
 
 int main(int argc, char** argv) {
+  if (peers::images::wanted(argc, argv)) {
+    return peers::images::speak(argc, argv, peers::serve_images,
+                                [](const std::string&, const std::string& address) {
+                                  return std::make_unique<peers::ImageReader>(address);
+                                });
+  }
   return peers::speak(argc, argv, peers::serve, [](const std::string&, const std::string& address) {
     return std::make_unique<peers::IceClient>(address);
   });

@@ -1,5 +1,5 @@
 // iceoryx as Debian has it, request/response. HOW: poll (asks again and again) or wait (its
-// WaitSet). Its daemon, RouDi, is the server's parent, so that it can end it and then itself. A
+// WaitSet); or images, by publish/subscribe: images-poll, images-wait. Its daemon, RouDi, is the server's parent, so that it can end it and then itself. A
 // host has one: run no other meanwhile.
 
 #include <signal.h>
@@ -8,16 +8,20 @@
 #include <unistd.h>
 
 #include <deque>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
 #include "iceoryx_posh/iceoryx_posh_config.hpp"
 #include "iceoryx_posh/popo/client.hpp"
+#include "iceoryx_posh/popo/publisher.hpp"
 #include "iceoryx_posh/popo/server.hpp"
+#include "iceoryx_posh/popo/subscriber.hpp"
 #include "iceoryx_posh/popo/wait_set.hpp"
 #include "iceoryx_posh/roudi/iceoryx_roudi_app.hpp"
 #include "iceoryx_posh/roudi/roudi_cmd_line_parser.hpp"
 #include "iceoryx_posh/runtime/posh_runtime.hpp"
+#include "images.hpp"
 #include "speaker.hpp"
 
 namespace peers {
@@ -25,6 +29,13 @@ namespace {
 
 using namespace iox;
 const capro::ServiceDescription service{"bench-peers", "Exchange", "echo"};
+
+struct Image {
+  Image() {}  // by intention, initializes nothing: loan() constructs what it lends
+  std::array<std::uint8_t, images::size> octets;
+};
+const capro::ServiceDescription camera_service{"bench-peers", "Camera", "image"};
+constexpr std::size_t queue = 2;  ///< of images, at each reader
 
 [[noreturn]] void be_roudi(char* program) {
   ::signal(SIGCHLD, SIG_IGN);  // RouDi ends when its processes have, and a zombie would count
@@ -34,6 +45,8 @@ const capro::ServiceDescription service{"bench-peers", "Exchange", "echo"};
   parsed.logLevel = log::LogLevel::kError;
   RouDiConfig_t config;
   config.setDefaults();
+  // For images. Its largest chunks by default are of 4 MiB.
+  config.m_sharedMemorySegments.front().m_mempoolConfig.addMemPool({sizeof(Image) + 256, 12});
   std::exit(roudi::IceOryxRouDiApp(parsed, config).run());
 }
 
@@ -135,10 +148,62 @@ class IceoryxClient final : public PipeliningClient {
   std::size_t collected_ = 0;
 };
 
+void serve_images(char* program) {
+  if (::fork() != 0) be_roudi(program);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  start_runtime("server");
+  popo::Publisher<Image> publisher(camera_service);
+  say_ready("iceoryx");
+  for (images::Camera camera;;) {
+    camera.begin();
+    publisher.loan()
+        .and_then([&](auto& sample) {
+          camera.write_and_send(sample->octets.data(), [&] { sample.publish(); });
+        })
+        .or_else([](auto&) { throw std::runtime_error("iceoryx: no memory for an image"); });
+  }
+}
+
+class ImageReader final : public images::Reader {
+ public:
+  explicit ImageReader(const std::string& how) {
+    start_runtime("client");
+    port_ = std::make_unique<Port>(how == "images-wait" ? "wait" : "poll");
+  }
+  const std::uint8_t* next() override {
+    image_.reset();
+    while (!port_->subscriber.take().and_then([&](auto& sample) { image_ = std::move(sample); }))
+      port_->wait();
+    return (*image_)->octets.data();
+  }
+
+ private:
+  using Posh = popo::Subscriber<Image>;
+  struct Port {
+    explicit Port(const std::string& how) : wait(how, subscriber, popo::SubscriberState::HAS_DATA) {}
+    Posh subscriber{camera_service, [] {
+                      popo::SubscriberOptions options;
+                      options.queueCapacity = queue;
+                      return options;
+                    }()};
+    Waiting<Posh, popo::SubscriberState> wait;
+  };
+
+  std::unique_ptr<Port> port_;
+  std::optional<popo::Sample<const Image>> image_;
+};
+
 }  // namespace
 }  // namespace peers
 
 int main(int argc, char** argv) {
+  if (peers::images::wanted(argc, argv)) {
+    return peers::images::speak(
+        argc, argv, [&](const std::string&) { peers::serve_images(argv[0]); },
+        [](const std::string& how, const std::string&) {
+          return std::make_unique<peers::ImageReader>(how);
+        });
+  }
   return peers::speak(
       argc, argv, [&](const std::string& how) { peers::serve(how, argv[0]); },
       [](const std::string& how, const std::string&) {

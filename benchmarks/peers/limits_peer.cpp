@@ -4,6 +4,7 @@
 //   futex    the same, asleep on a futex at once
 //   socket   Unix stream socket, blocking
 //   lcm      LCM with a handler on each side
+//   images-copy  no other process: an image is written, copied and read. "Sending" is the copy.
 
 #include <fcntl.h>
 #include <lcm/lcm.h>
@@ -22,6 +23,7 @@
 #include <stdexcept>
 
 #include "benchmarks/raw_ring.hpp"
+#include "images.hpp"
 #include "speaker.hpp"
 
 namespace peers {
@@ -260,7 +262,34 @@ std::unique_ptr<Client> connect(const std::string& how, const std::string& addre
   return std::make_unique<RingClient>(address, waiting_named(how));
 }
 
+// Images
+
+class CopiedImages final : public images::Reader {
+  const std::uint8_t* next() override {
+    camera_.begin();
+    camera_.write_and_send(written_.data(), [&] { read_ = written_; });
+    return read_.data();
+  }
+
+  images::Camera camera_;
+  std::vector<std::uint8_t> written_ = std::vector<std::uint8_t>(images::size);
+  std::vector<std::uint8_t> read_ = written_;
+};
+
+void serve_nothing(const std::string&) {
+  say_ready("");
+  for (;;) ::pause();
+}
+
 }  // namespace
 }  // namespace peers
 
-int main(int argc, char** argv) { return peers::speak(argc, argv, peers::serve, peers::connect); }
+int main(int argc, char** argv) {
+  if (peers::images::wanted(argc, argv)) {
+    return peers::images::speak(argc, argv, peers::serve_nothing,
+                                [](const std::string&, const std::string&) {
+                                  return std::make_unique<peers::CopiedImages>();
+                                });
+  }
+  return peers::speak(argc, argv, peers::serve, peers::connect);
+}

@@ -11,9 +11,6 @@
 #include <vector>
 
 namespace peers {
-namespace {
-
-using Nanoseconds = std::chrono::duration<double, std::nano>;
 
 Nanoseconds quantile(std::vector<Nanoseconds>& times, double part) {
   const auto at =
@@ -22,7 +19,6 @@ Nanoseconds quantile(std::vector<Nanoseconds>& times, double part) {
   return *at;
 }
 
-/// What is between two looks at the clock when nothing else is.
 Nanoseconds of_the_clock() {
   std::vector<Nanoseconds> times;
   for (auto before = Clock::now(); times.size() < 10'000;) {
@@ -32,6 +28,8 @@ Nanoseconds of_the_clock() {
   }
   return quantile(times, 0.5);
 }
+
+namespace {
 
 void say(std::vector<Nanoseconds>& times) {
   const auto clock = of_the_clock();
@@ -110,7 +108,6 @@ void answer(Client& client, const std::string& line) {
   } else {
     throw std::invalid_argument("asked for \"" + line + "\"; speaker.hpp says what can be asked");
   }
-  std::fflush(stdout);
 }
 
 }  // namespace
@@ -161,17 +158,19 @@ void say_ready(const std::string& address) {
   std::fflush(stdout);
 }
 
-int speak(
-    int argc, char** argv, const std::function<void(const std::string&)>& serve,
-    const std::function<std::unique_ptr<Client>(const std::string&, const std::string&)>& connect) {
+int speak_lines(int argc, char** argv, const std::function<void(const std::string&)>& serve,
+                const std::function<Answer(const std::string&, const std::string&)>& connect) {
   const std::string what = argc > 1 ? argv[1] : "";
   try {
     if (what == "serve" && argc == 3) {
       serve(argv[2]);
     } else if (what == "call" && argc == 4) {
-      const auto client = connect(argv[2], argv[3]);
+      const Answer answer = connect(argv[2], argv[3]);
       say_ready("");
-      for (std::string line; std::getline(std::cin, line);) answer(*client, line);
+      for (std::string line; std::getline(std::cin, line);) {
+        answer(line);
+        std::fflush(stdout);
+      }
     } else {
       throw std::invalid_argument("usage: serve HOW | call HOW ADDRESS");
     }
@@ -180,6 +179,15 @@ int speak(
     return 1;
   }
   return 0;
+}
+
+int speak(
+    int argc, char** argv, const std::function<void(const std::string&)>& serve,
+    const std::function<std::unique_ptr<Client>(const std::string&, const std::string&)>& connect) {
+  return speak_lines(argc, argv, serve, [&](const std::string& how, const std::string& address) {
+    const std::shared_ptr<Client> client = connect(how, address);
+    return [client](const std::string& line) { answer(*client, line); };
+  });
 }
 
 }  // namespace peers

@@ -8,6 +8,8 @@
 //     silent SECONDS COUNT         each after that long a rest   -> COUNT P50 P99 (ns)
 //     outstanding NUMBER SECONDS   so many calls at a time       -> CALLS_PER_SECOND
 //     late EACH SECONDS            each answered so late         -> COUNT
+//   A program whose HOW begins with "images" sends and reads images, and answers the line
+//   of images.hpp.
 // What reading the clock takes is taken off P50 and P99. Needs nothing but the standard library,
 // since the peers are built without ours.
 #pragma once
@@ -18,6 +20,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace peers {
 
@@ -62,7 +65,22 @@ std::uint64_t calls_of_threads(Clock::time_point end, unsigned threads,
 /// Says that the server can be called at `address`, which has no spaces and may be empty.
 void say_ready(const std::string& address);
 
-/// Speaks for `main`. `serve` says that it is ready and does not return before the server has
+using Nanoseconds = std::chrono::duration<double, std::nano>;
+
+Nanoseconds quantile(std::vector<Nanoseconds>& times, double part);
+
+/// Returns what is between two looks at the clock when nothing else is.
+Nanoseconds of_the_clock();
+
+/// What answers one line of standard input, by a line of standard output.
+using Answer = std::function<void(const std::string& line)>;
+
+/// Speaks for `main`, with the answers that `connect` returns.
+int speak_lines(
+    int argc, char** argv, const std::function<void(const std::string& how)>& serve,
+    const std::function<Answer(const std::string& how, const std::string& address)>& connect);
+
+/// Speaks for `main` of calls. `serve` says that it is ready and does not return before the server has
 /// ended.
 int speak(int argc, char** argv, const std::function<void(const std::string& how)>& serve,
           const std::function<std::unique_ptr<Client>(const std::string& how,

@@ -13,16 +13,25 @@ Call = Callable[[float], float]
 
 def speak(call: Call) -> None:
     """Answers every line of standard input with a line, until there is no more."""
-    print("ready ", flush=True)
-    for line in sys.stdin:
-        words = line.split()
+
+    def answer(words: list[str]) -> str | None:
         match words:
             case ["trips", seconds]:
-                said = _summed_up(_trips(call, float(seconds)))
+                return _summed_up(_trips(call, float(seconds)))
             case ["silent", seconds, count]:
-                said = _summed_up(_silent(call, float(seconds), int(count)))
-            case _:
-                sys.exit(f"asked for {line!r}, which clients in Python are not")
+                return _summed_up(_silent(call, float(seconds), int(count)))
+        return None
+
+    answer_each(answer)
+
+
+def answer_each(answer: Callable[[list[str]], str | None]) -> None:
+    """Answers every line by what `answer` says to its words; it knows nothing of some words."""
+    print("ready ", flush=True)
+    for line in sys.stdin:
+        said = answer(line.split())
+        if said is None:
+            sys.exit(f"asked for {line!r}, which clients in Python are not")
         print(said, flush=True)
 
 
@@ -52,7 +61,7 @@ def _silent(call: Call, seconds: float, count: int) -> list[int]:
     return times
 
 
-def _of_the_clock() -> int:
+def of_the_clock() -> int:
     """What is between two looks at the clock when nothing else is, in ns."""
     times: list[int] = []
     before = time.perf_counter_ns()
@@ -60,13 +69,13 @@ def _of_the_clock() -> int:
         after = time.perf_counter_ns()
         times.append(after - before)
         before = after
-    return _quantile(times, 0.5)
+    return quantile(times, 0.5)
 
 
-def _quantile(times: list[int], part: float) -> int:
+def quantile(times: list[int], part: float) -> int:
     return sorted(times)[int((len(times) - 1) * part)]
 
 
 def _summed_up(times: list[int]) -> str:
-    clock = _of_the_clock()
-    return f"{len(times)} {_quantile(times, 0.5) - clock} {_quantile(times, 0.99) - clock}"
+    clock = of_the_clock()
+    return f"{len(times)} {quantile(times, 0.5) - clock} {quantile(times, 0.99) - clock}"

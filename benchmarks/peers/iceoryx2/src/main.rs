@@ -1,6 +1,7 @@
 //! iceoryx2, request/response. HOW: poll (asks again and again) or wait (sleeps on its events, one service of
-//! them for each direction). The address is the name of the service.
+//! them for each direction); or images, by publish/subscribe: images-poll, images-wait. The address is the name of the service.
 
+mod images;
 mod speaker;
 
 use iceoryx2::port::{client::Client as Requests, listener::{Listener, ListenerWaitError}, notifier::Notifier};
@@ -132,8 +133,14 @@ fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words[..] {
-        ["serve", how] => serve(how),
-        ["call", how, name] => call(how, name),
+        ["serve", how] => match how.strip_prefix("images-") {
+            Some(how) => images::serve(how),
+            None => serve(how),
+        },
+        ["call", how, name] => match how.strip_prefix("images-") {
+            Some(how) => images::call(how, name),
+            None => call(how, name),
+        },
         _ => Err("usage: serve HOW | call HOW ADDRESS".into()),
     }
 }

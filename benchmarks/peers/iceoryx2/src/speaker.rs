@@ -23,16 +23,25 @@ pub fn say_ready(address: &str) {
 pub fn answer_lines(client: &mut dyn Client) -> Result<(), Failure> {
     say_ready("");
     let mut stamp = 0.0;
-    for line in std::io::stdin().lock().lines() {
-        let line = line?;
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let said = match words[..] {
+    answer_each(|words| {
+        Ok(Some(match words {
             ["trips", seconds] => trips(client, &mut stamp, seconds.parse()?)?,
             ["silent", seconds, count] => silent(client, &mut stamp, seconds.parse()?, count.parse()?)?,
             ["outstanding", number, seconds] => {
                 outstanding(client, &mut stamp, number.parse()?, seconds.parse()?)?
             }
-            _ => return Err(format!("asked for {line:?}; speaker.hpp says what can be asked").into()),
+            _ => return Ok(None),
+        }))
+    })
+}
+
+/// Answers by what `answer` says to the words of a line; nothing to words that it does not know.
+pub fn answer_each(mut answer: impl FnMut(&[&str]) -> Result<Option<String>, Failure>) -> Result<(), Failure> {
+    for line in std::io::stdin().lock().lines() {
+        let line = line?;
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let Some(said) = answer(&words)? else {
+            return Err(format!("asked for {line:?}; speaker.hpp says what can be asked").into());
         };
         println!("{said}");
         std::io::stdout().flush()?;
@@ -40,7 +49,7 @@ pub fn answer_lines(client: &mut dyn Client) -> Result<(), Failure> {
     Ok(())
 }
 
-fn quantile(times: &mut [f64], part: f64) -> f64 {
+pub fn quantile(times: &mut [f64], part: f64) -> f64 {
     let at = ((times.len() - 1) as f64 * part) as usize;
     *times.select_nth_unstable_by(at, f64::total_cmp).1
 }
@@ -50,7 +59,7 @@ fn in_ns(time: Duration) -> f64 {
 }
 
 /// What is between two looks at the clock when nothing else is.
-fn of_the_clock() -> f64 {
+pub fn of_the_clock() -> f64 {
     let mut times = Vec::new();
     let mut before = Instant::now();
     while times.len() < 10_000 {

@@ -1,0 +1,64 @@
+"""Images, for readers in Python; images.hpp says what they are and what is measured."""
+
+from __future__ import annotations
+
+import struct
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from speaker import answer_each, of_the_clock, quantile
+
+Octets = npt.NDArray[np.uint8]
+Next = Callable[[], tuple[Octets, Callable[[], bool]]]
+"""Waits for an image that was not yet read: its octets, and whether they are still the same."""
+
+STAMPS = struct.Struct("=Qqqq")
+
+
+def speak(next_image: Next) -> None:
+    """Answers every line of standard input with a line, until there is no more."""
+
+    def answer(words: list[str]) -> str | None:
+        match words:
+            case ["images", seconds]:
+                return _images(next_image, float(seconds))
+        return None
+
+    answer_each(answer)
+
+
+def _images(next_image: Next, seconds: float) -> str:
+    readable: list[int] = []
+    whole: list[int] = []
+    sending: list[int] = []
+    asked = time.monotonic_ns()
+    end = asked + int(seconds * 1e9)
+    while not readable or time.monotonic_ns() < end:
+        octets, intact = next_image()
+        arrived = time.monotonic_ns()
+        number, begun, sent, before = STAMPS.unpack_from(octets)
+        _read(octets[STAMPS.size :], number)
+        read = time.monotonic_ns()
+        if not intact():
+            sys.exit("an image was overwritten")
+        if begun >= asked:  # one that is older may have waited here for the question
+            readable.append(arrived - sent)
+            whole.append(read - begun)
+            sending.append(before)
+    clock = of_the_clock()
+    figures = [
+        quantile(times, part) - clock
+        for times, part in (
+            (readable, 0.5), (readable, 0.99), (whole, 0.5), (whole, 0.99), (sending, 0.5)
+        )
+    ]  # fmt: skip
+    return " ".join(map(str, [len(readable), *figures]))
+
+
+def _read(octets: Any, number: int) -> None:
+    if not int(octets.min()) == int(octets.max()) == number % 256:
+        sys.exit("the octets are not those of one image")
