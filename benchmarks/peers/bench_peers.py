@@ -19,7 +19,8 @@ from pathlib import Path
 
 import report
 from candidates import candidates
-from measure import OTHER_USER, Pace, Verdict, judge, run
+from judge import Verdict, judge
+from measure import OTHER_USER, Pace, run
 from pair import Broken
 from settings import Line, Setting, settings
 

@@ -12,6 +12,24 @@ HERE = Path(__file__).resolve().parent
 
 
 @dataclass(frozen=True, slots=True)
+class ImageCandidates:
+    """Those that send and read images."""
+
+    copy: Candidate
+    ours_polled: Candidate
+    ours: Candidate
+    ours_python: Candidate
+    omniorb: Candidate
+    ice: Candidate
+    capnp: Candidate
+    iceoryx_polled: Candidate
+    iceoryx: Candidate
+    iceoryx2_polled: Candidate
+    iceoryx2: Candidate
+    iceoryx2_python: Candidate
+
+
+@dataclass(frozen=True, slots=True)
 class Candidates:
     """All candidates, by the names in the tables."""
 
@@ -31,6 +49,7 @@ class Candidates:
     iceoryx2_polled: Candidate
     iceoryx2: Candidate
     iceoryx2_python: Candidate
+    images: ImageCandidates
 
     def blocking(self) -> tuple[Candidate, ...]:
         return (self.omniorb, self.ice, self.capnp, self.iceoryx, self.iceoryx2)
@@ -52,6 +71,27 @@ def candidates(build: Path) -> Candidates:
             name, peer, (program, "serve", how), (*(client or (program,)), "call", how)
         )
 
+    gecos_client = (sys.executable, HERE / "gecos_client.py")
+    iceoryx2_client = (theirs / "venv" / "bin" / "python", HERE / "iceoryx2_client.py")
+    images = ImageCandidates(
+        copy=of("raw copy", "", ours / "limits_peer", "images-copy"),
+        ours_polled=of("**ours**, polled", "", ours / "gecos_peer", "images-poll"),
+        ours=of("**ours**", "", ours / "gecos_peer", "images-wait"),
+        ours_python=of(
+            "**ours**, polled from Python", "", ours / "gecos_peer", "images-poll", *gecos_client
+        ),
+        omniorb=of("omniORB", "omniorb", theirs / "omniorb_peer", "images"),
+        ice=of("Ice", "ice", theirs / "ice_peer", "images"),
+        capnp=of("Cap'n Proto", "capnp", theirs / "capnp_peer", "images"),
+        iceoryx_polled=of("iceoryx, polled", "iceoryx", theirs / "iceoryx_peer", "images-poll"),
+        iceoryx=of("iceoryx, WaitSet", "iceoryx", theirs / "iceoryx_peer", "images-wait"),
+        iceoryx2_polled=of("iceoryx2, polled", "iceoryx2", iceoryx2, "images-poll"),
+        iceoryx2=of("iceoryx2, events", "iceoryx2", iceoryx2, "images-wait"),
+        iceoryx2_python=of(
+            "iceoryx2, polled from Python", "iceoryx2-python", iceoryx2, "images-poll",
+            *iceoryx2_client,
+        ),
+    )  # fmt: skip
     return Candidates(
         spin=of("raw ring, spinning", "", ours / "limits_peer", "spin"),
         yielding=of("raw ring, yields, then futex", "", ours / "limits_peer", "yield"),
@@ -60,10 +100,7 @@ def candidates(build: Path) -> Candidates:
         raw_lcm=of("raw LCM", "", ours / "limits_peer", "lcm"),
         ours=of("**ours**", "", ours / "gecos_peer", "shm"),
         ours_lcm=of("**ours**, encrypted", "", ours / "gecos_peer", "lcm"),
-        ours_python=of(
-            "**ours**, from Python", "", ours / "gecos_peer", "shm",
-            sys.executable, HERE / "gecos_client.py",
-        ),
+        ours_python=of("**ours**, from Python", "", ours / "gecos_peer", "shm", *gecos_client),
         omniorb=of("omniORB", "omniorb", theirs / "omniorb_peer", "unix"),
         ice=of("Ice", "ice", theirs / "ice_peer", "tcp"),
         capnp=of("Cap'n Proto", "capnp", theirs / "capnp_peer", "unix"),
@@ -72,7 +109,7 @@ def candidates(build: Path) -> Candidates:
         iceoryx2_polled=of("iceoryx2, polled", "iceoryx2", iceoryx2, "poll"),
         iceoryx2=of("iceoryx2, events", "iceoryx2", iceoryx2, "wait"),
         iceoryx2_python=of(
-            "iceoryx2, polled from Python", "iceoryx2-python", iceoryx2, "poll",
-            theirs / "venv" / "bin" / "python", HERE / "iceoryx2_client.py",
+            "iceoryx2, polled from Python", "iceoryx2-python", iceoryx2, "poll", *iceoryx2_client
         ),
-    )  # fmt: skip
+        images=images,
+    )

@@ -7,9 +7,9 @@ import sys
 from collections.abc import Callable
 
 import gecos
-import images
+import image_speaker
 import numpy as np
-from exchange import Camera, Exchange, Image, Sample
+from exchange import Camera, Exchange, Sample
 from speaker import speak
 
 PASSWORD = "all clients of one benchmark"
@@ -24,14 +24,14 @@ def read_images(name: str) -> None:
     stream = gecos.Lab().create(Camera, name, medium="shm").image.stream()
     read = 0
 
-    def next_image() -> tuple[images.Octets, Callable[[], bool]]:
+    def next_image() -> tuple[image_speaker.Octets, Callable[[], bool]]:
         nonlocal read
         while (sample := stream.latest_in_place()) is None or sample.sequence == read:
             pass
         read = sample.sequence
         return np.asarray(sample.octets), sample.intact
 
-    images.speak(next_image)
+    image_speaker.speak(next_image)
 
 
 def make_calls(medium: str, name: str) -> None:

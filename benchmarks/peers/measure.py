@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 import statistics
 import sys
@@ -13,8 +12,9 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from busy_loops import BusyLoops
+from judge import Measured, Rounds
 from pair import Broken, Pair, Process
-from settings import Bar, Figure, Line, Setting
+from settings import Figure, Line, Setting
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,38 +24,6 @@ class Pace:
     rounds: int
     seconds: float  # measured for each line in each round
     rests: int  # calls after a second of silence, in every round
-
-
-@dataclass(frozen=True, slots=True)
-class Measured:
-    """One line in one round: µs, calls a second, parts of a core."""
-
-    p50: float = 0.0
-    p99: float = 0.0
-    rate: float = 0.0
-    loops: float = 0.0
-    share: float = 0.0
-    unchecked: float = 0.0  # p50 of the calls that nothing checks
-
-    def figure(self, of: Figure) -> float:
-        return {
-            Figure.P50: self.p50,
-            Figure.P99: self.p99,
-            Figure.RATE: self.rate,
-            Figure.LOOPS: self.loops,
-            Figure.SHARE: 100 * self.share,
-            Figure.CHECKS: _quotient(self.p50, self.unchecked),
-        }[of]
-
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    bar: Bar
-    ratios: list[float]  # one for each round; empty without another candidate
-    met: bool
-
-
-Rounds = dict[str, list[Measured]]
 
 
 @dataclass(slots=True)
@@ -124,6 +92,8 @@ def _once(
 ) -> Measured:
     mine, servers = cores[0], cores[0 if setting.one_core else 1]
     with contextlib.closing(Pair(line.candidate, servers, env)) as pair:
+        if setting.images:
+            return _images(pair, line, pace.seconds, cores[:2])
         for _ in range(line.idle_clients):
             pair.client(cores)
         client = pair.client([mine])
@@ -162,6 +132,26 @@ def _beside(checked: Process, unchecked: Process, seconds: float) -> Measured:
     return Measured(p50=p50, unchecked=without)
 
 
+def _images(pair: Pair, line: Line, seconds: float, cores: list[int]) -> Measured:
+    """Images take longer than calls, so they are given more time."""
+    client = pair.client(cores[:1])
+    others = [pair.client(cores) for _ in range(line.other_readers)]
+    for other in others:
+        other.say(f"images {2 * seconds + 0.4}")  # begins before, ends after
+    _ask(client, "images 0.2")  # warm
+    answer = _ask(client, f"images {2 * seconds}")
+    for other in others:
+        other.line()
+    _, readable, readable_p99, whole, whole_p99, sending = (1e-3 * ns for ns in answer)
+    return Measured(
+        readable=readable,
+        readable_p99=readable_p99,
+        whole=whole,
+        whole_p99=whole_p99,
+        sending=sending,
+    )
+
+
 def _share(client: Process, server: Process, late: float, seconds: float) -> Measured:
     """Processor share of a client whose replies come `late`, or of a server with an idle client."""
     if late:
@@ -185,33 +175,3 @@ def _ask(client: Process, question: str) -> list[float]:
 def _trips(answer: list[float], seconds: float = 0.0) -> Measured:
     count, p50, p99 = answer
     return Measured(p50=p50 * 1e-3, p99=p99 * 1e-3, rate=count / seconds if seconds else 0.0)
-
-
-def judge(bar: Bar, measured: Rounds) -> Verdict:
-    """For each round, our figure divided by the best of the others in that round."""
-    others = [measured[label] for label in bar.others if label in measured]
-    if bar.others and not others:
-        return Verdict(bar, [], False)
-    best = max if bar.figure.more_is_better else min
-    ratios = [
-        _quotient(
-            ours.figure(bar.figure),
-            best(other.figure(bar.figure) for other in beside) if beside else 1.0,
-        )
-        for ours, *beside in zip(measured[bar.ours], *others, strict=True)
-    ]
-    if not bar.rounds:
-        return Verdict(bar, ratios, _holds(bar, statistics.median(ratios)))
-    held = sum(_holds(bar, ratio) for ratio in ratios)
-    return Verdict(bar, ratios, held >= bar.rounds * len(ratios))
-
-
-def _quotient(ours: float, other: float) -> float:
-    """Beside a peer that leaves nothing to the loops whatever is left is infinitely more."""
-    if other:
-        return ours / other
-    return math.inf if ours else 1.0
-
-
-def _holds(bar: Bar, ratio: float) -> bool:
-    return ratio >= bar.limit if bar.figure.more_is_better else ratio <= bar.limit

@@ -1,5 +1,6 @@
 """Calls as they are made in life, by programs that were built to record which branches they take:
-alone and many at a time, across cores and on one, at once and after silence, over shm and lcm.
+alone and many at a time, across cores and on one, at once and after silence, over shm and lcm; and
+images, polled and waited for.
 tools/build_release.sh builds by what they record."""
 
 from __future__ import annotations
@@ -13,13 +14,16 @@ from bench_peers import own_laboratory
 from candidates import candidates
 from pair import Candidate, Pair
 
-QUESTIONS = ("trips 0.5", "unchecked 0.5", "outstanding 64 0.5", "silent 0.02 25")
+CALLS = ("trips 0.5", "unchecked 0.5", "outstanding 64 0.5", "silent 0.02 25")
+IMAGES = ("images 0.5",)
 
 
-def record(candidate: Candidate, cores: list[int], env: dict[str, str]) -> None:
+def record(
+    candidate: Candidate, questions: tuple[str, ...], cores: list[int], env: dict[str, str]
+) -> None:
     with contextlib.closing(Pair(candidate, cores[-1], env)) as pair:
         client = pair.client(cores[:1])
-        for question in QUESTIONS:
+        for question in questions:
             client.say(question)
             print(f"{candidate.name}, cores {cores}, {question}: {client.line()}", flush=True)
 
@@ -33,7 +37,9 @@ def main() -> None:
     with own_laboratory(build) as env:
         for among in (cores, cores[:1]):
             for candidate in (ours.ours, ours.ours_lcm):
-                record(candidate, among, env)
+                record(candidate, CALLS, among, env)
+        for candidate in (ours.images.ours, ours.images.ours_polled):
+            record(candidate, IMAGES, cores, env)
 
 
 if __name__ == "__main__":

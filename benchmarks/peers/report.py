@@ -8,7 +8,8 @@ import statistics
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from measure import Measured, Pace, Run, Verdict
+from judge import Measured, Verdict
+from measure import Pace, Run
 from settings import Bar, Figure, Setting
 
 
@@ -54,9 +55,12 @@ def _unit(bar: Bar) -> str:
 
 
 def table(setting: Setting, done: Run) -> str:
-    columns = {Figure.RATE: RATES, Figure.SHARE: SHARES, Figure.CHECKS: CHECKS}.get(
-        setting.figure, TRIPS
-    )
+    columns = {
+        Figure.RATE: RATES,
+        Figure.SHARE: SHARES,
+        Figure.CHECKS: CHECKS,
+        Figure.READABLE: IMAGES,
+    }.get(setting.figure, TRIPS)
     if setting.loops is not None:
         columns = BESIDE_LOOPS
     rows = [
@@ -103,6 +107,14 @@ CHECKS: dict[str, Column] = {
     "p50 µs": _median(Figure.P50, ".3f"),
     "with / without": _median(Figure.CHECKS, ".3f"),
     "in the rounds": _spread(Figure.CHECKS, ".3f"),
+}
+IMAGES: dict[str, Column] = {
+    "readable p50 µs": _median(Figure.READABLE, ".2f"),
+    "p99 µs": _median(Figure.READABLE_P99, ".2f"),
+    "p50 in the rounds": _spread(Figure.READABLE, ".2f"),
+    "end to end p50 µs": _median(Figure.WHOLE, ".0f"),
+    "in the rounds": _spread(Figure.WHOLE, ".0f"),
+    "sending µs": _median(Figure.SENDING, ".2f"),
 }
 BESIDE_LOOPS: dict[str, Column] = {
     **TRIPS,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 
-from candidates import Candidates
+from candidates import Candidates, ImageCandidates
 from pair import Candidate
 
 
@@ -16,6 +16,11 @@ class Figure(enum.Enum):
     LOOPS = "share of the loops"
     SHARE = "% of a core"
     CHECKS = "p50 with all checks / without"
+    READABLE = "readable"
+    READABLE_P99 = "readable, p99"
+    WHOLE = "end to end"
+    WHOLE_P99 = "end to end, p99"
+    SENDING = "sending"
 
     @property
     def more_is_better(self) -> bool:
@@ -36,6 +41,7 @@ class Line:
     flooded: bool = False  # one more client keeps 64 calls outstanding
     beside: bool = False  # of another user, in turn with unchecked calls of the server's own user
     late: float = 0.0  # its calls are answered after so many seconds
+    other_readers: int = 0  # of the images
 
     @property
     def label(self) -> str:
@@ -72,6 +78,7 @@ class Setting:
     figure: Figure = Figure.P50  # the column of the table that is compared
     silent: bool = False  # a second of rest before each call
     outstanding: int = 0
+    images: bool = False
 
 
 def bar(ours: Line, limit: float, *others: Line, figure: Figure = Figure.P50) -> Bar:
@@ -172,7 +179,46 @@ def settings(of: Candidates) -> list[Setting]:
             ),
             figure=Figure.SHARE,
         ),
+        *images(of.images),
         *beside_loops(ours, iceoryx_polled, iceoryx2_polled),
+    ]
+
+
+FAR_LESS = 0.1
+"""Share of the time of a copy, for what is done without one."""
+
+
+def images(of: ImageCandidates) -> list[Setting]:
+    """Ours is as soon readable as iceoryx2's, is read whole before every peer's, and is not copied
+    for further readers or for Python."""
+    copy, polled, waits, python = lines(of.copy, of.ours_polled, of.ours, of.ours_python)
+    iceoryx_polled, iceoryx2_polled = lines(of.iceoryx_polled, of.iceoryx2_polled)
+    iceoryx2, *others = lines(of.iceoryx2, of.iceoryx, of.omniorb, of.ice, of.capnp)
+    iceoryx2_python = Line(of.iceoryx2_python)
+    three = Line(of.ours, ", three readers", other_readers=2)
+    return [
+        Setting(
+            "image of 6 MB, polled",
+            (copy, iceoryx_polled, iceoryx2_polled, polled, iceoryx2_python, python),
+            (
+                bar(polled, 2.0, iceoryx2_polled, figure=Figure.READABLE),
+                bar(polled, 1.0, iceoryx_polled, iceoryx2_polled, figure=Figure.WHOLE),
+                bar(python, FAR_LESS, copy, figure=Figure.READABLE),
+            ),
+            figure=Figure.READABLE,
+            images=True,
+        ),
+        Setting(
+            "image of 6 MB, with waits",
+            (copy, *others, iceoryx2, waits, three),
+            (
+                bar(waits, 2.0, iceoryx2, figure=Figure.READABLE),
+                bar(waits, 1.0, iceoryx2, *others, figure=Figure.WHOLE),
+                bar(three, FAR_LESS, copy, figure=Figure.SENDING),
+            ),
+            figure=Figure.READABLE,
+            images=True,
+        ),
     ]
 
 

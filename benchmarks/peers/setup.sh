@@ -30,7 +30,7 @@ fi
 cmake -S benchmarks/peers -B "$out" -G Ninja >"$out.log" 2>&1 && cmake --build "$out" -- -k 0 \
   || say "NOT ALL of the peers in C++ could be built; see $out.log"
 
-if [ ! -x "$out/venv/bin/python" ] || ! "$out/venv/bin/python" -c 'import iceoryx2, puccinialin' 2>/dev/null; then
+if [ ! -x "$out/venv/bin/python" ] || ! "$out/venv/bin/python" -c 'import iceoryx2, numpy, puccinialin' 2>/dev/null; then
   "${GECOS_PYTHON:-/usr/bin/python3}" -m venv --clear "$out/venv" \
     && "$out/venv/bin/python" -m pip install --quiet --disable-pip-version-check \
       --requirement benchmarks/peers/requirements.txt </dev/null \
