@@ -21,7 +21,7 @@ def main() -> None:
 
 
 def read_images(name: str) -> None:
-    stream = gecos.Lab().create(Camera, name, medium="shm").image.stream()
+    stream = gecos.Lab().create(Camera, name, medium="shm").picture.stream()
     read = 0
 
     def next_image() -> tuple[image_speaker.Octets, Callable[[], bool]]:

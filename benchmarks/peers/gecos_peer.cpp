@@ -131,14 +131,14 @@ class LendingCamera final : public bench::CameraServant {
   [[noreturn]] void publish_for_ever() {
     for (images::Camera camera;;) {
       camera.begin();
-      auto loan = lend_image({}, images::size);
+      auto loan = lend_picture({}, images::size);
       if (!loan) throw std::runtime_error("no memory for an image");
       camera.write_and_send(loan.octets().data(), [&] { loan.publish(); });
     }
   }
 
  private:
-  gecos::Result<bench::Image> image() override { return bench::Image{}; }
+  gecos::Result<bench::Image> picture() override { return bench::Image{}; }
 };
 
 void serve_images(const std::string&) {
@@ -161,7 +161,7 @@ class ImageReader final : public images::Reader {
   ImageReader(const std::string& how, const std::string& name)
       : waits_(how == "images-wait"),
         object_(must(lab_.create<bench::Camera>(name, {.medium = gecos::media::Kind::Shm}))),
-        stream_(must(object_.image(gecos::stream))) {}
+        stream_(must(object_.picture(gecos::stream))) {}
 
   const std::uint8_t* next() override {
     const std::uint64_t read = sample_ ? sample_->sequence : 0;
@@ -174,9 +174,7 @@ class ImageReader final : public images::Reader {
     }
     return sample_->octets.data();
   }
-  void done() override {
-    if (!sample_->intact()) throw std::runtime_error("an image was overwritten");
-  }
+  bool intact() const override { return sample_->intact(); }
 
  private:
   const bool waits_;

@@ -39,7 +39,7 @@ def main() -> None:
 
 
 def read_images(builder: iox2.ServiceBuilder) -> None:
-    service = builder.publish_subscribe(Image).subscriber_max_buffer_size(2).open()
+    service = builder.publish_subscribe(Image).subscriber_max_buffer_size(1).open()
     subscriber = service.subscriber_builder().create()
     held = None
 

@@ -35,7 +35,7 @@ struct Image {
   std::array<std::uint8_t, images::size> octets;
 };
 const capro::ServiceDescription camera_service{"bench-peers", "Camera", "image"};
-constexpr std::size_t queue = 2;  ///< of images, at each reader
+constexpr std::size_t queue = 1;  ///< of images, at each reader: the newest one
 
 [[noreturn]] void be_roudi(char* program) {
   ::signal(SIGCHLD, SIG_IGN);  // RouDi ends when its processes have, and a zombie would count

@@ -18,29 +18,31 @@ std::int64_t now() {
   return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
 }
 
-/// Reads every octet: each equals the one before. So memcmp has to look at all of them, and takes
-/// no longer than to get them.
-void read(const std::uint8_t* octets, const Stamps& stamps) {
+/// Reads every octet: each must equal the one before. memcmp takes no longer than to get them.
+bool of_one_image(const std::uint8_t* octets, const Stamps& stamps) {
   const std::uint8_t* const first = octets + sizeof stamps;
   const auto rest = size - sizeof stamps;
-  if (*first != static_cast<std::uint8_t>(stamps.number) ||
-      std::memcmp(first, first + 1, rest - 1) != 0) {
-    throw std::runtime_error("the octets are not those of one image");
-  }
+  return *first == static_cast<std::uint8_t>(stamps.number) &&
+         std::memcmp(first, first + 1, rest - 1) == 0;
 }
 
 void images(Reader& reader, Seconds how_long) {
   std::vector<Nanoseconds> readable, whole, sending;
   std::uint64_t number = 0;
+  std::size_t lost = 0;
   const std::int64_t asked = now();
   for (const auto end = Clock::now() + how_long; readable.empty() || Clock::now() < end;) {
     const std::uint8_t* const octets = reader.next();
     const std::int64_t arrived = now();
     Stamps stamps;
     std::memcpy(&stamps, octets, sizeof stamps);
-    read(octets, stamps);
+    const bool same = of_one_image(octets, stamps);
     const std::int64_t read = now();
-    reader.done();
+    if (!reader.intact()) {
+      ++lost;
+      continue;
+    }
+    if (!same) throw std::runtime_error("the octets are not those of one image");
     if (stamps.number <= number) throw std::runtime_error("an image came twice");
     number = stamps.number;
     if (stamps.begun < asked) continue;  // it may have waited here for the question
@@ -48,6 +50,7 @@ void images(Reader& reader, Seconds how_long) {
     whole.emplace_back(read - stamps.begun);
     if (stamps.sending != 0) sending.emplace_back(stamps.sending);
   }
+  if (lost > readable.size() / 10 + 1) throw std::runtime_error("images were overwritten");
   const auto clock = of_the_clock();
   const auto figure = [&](std::vector<Nanoseconds>& times, double part) {
     return times.empty() ? 0.0 : (quantile(times, part) - clock).count();

@@ -4,7 +4,8 @@
 //   images SECONDS -> COUNT READABLE_P50 READABLE_P99 WHOLE_P50 WHOLE_P99 SENDING_P50 (ns)
 // READABLE is from just before an image is sent until a reader has a pointer to its octets. WHOLE
 // is from before the server obtains memory for it until the reader has read every octet. SENDING is
-// what the server takes to send it. Both ends are on one host and share a clock.
+// what the server takes to send it. An image that was overwritten before it was read is lost and
+// not counted; when more than a tenth are lost, the client fails. Both ends are on one host and share a clock.
 #pragma once
 
 #include <cstddef>
@@ -53,11 +54,11 @@ class Camera {
 class Reader {
  public:
   virtual ~Reader() = default;
-  /// Waits for the next image that was not yet read. Its octets stay valid until the next call or
-  /// until done().
+  /// Waits for the next image that was not yet read. Its octets stay readable until the next call.
   virtual const std::uint8_t* next() = 0;
-  /// Called when the octets were read. Throws if they were overwritten meanwhile.
-  virtual void done() {}
+  /// Returns whether the octets are still those of the same image. Only a server that waits for no
+  /// reader overwrites them.
+  virtual bool intact() const { return true; }
 };
 
 /// Returns whether the arguments of `main` are about images.

@@ -49,7 +49,7 @@ pub fn serve(how: &str) -> Result<(), Failure> {
     let service = node
         .service_builder(&name.as_str().try_into()?)
         .publish_subscribe::<Image>()
-        .subscriber_max_buffer_size(2)
+        .subscriber_max_buffer_size(1)
         .create()?;
     let publisher = service.publisher_builder().create()?;
     let events = Events::open(&node, how, format!("{name}/read"), format!("{name}/sent"))?;
@@ -148,7 +148,7 @@ pub fn call(how: &str, name: &str) -> Result<(), Failure> {
     let service = node
         .service_builder(&name.try_into()?)
         .publish_subscribe::<Image>()
-        .subscriber_max_buffer_size(2)
+        .subscriber_max_buffer_size(1)
         .open()?;
     let events = Events::open(&node, how, format!("{name}/sent"), format!("{name}/read"))?;
     let reader = Reader { images: service.subscriber_builder().create()?, events };
