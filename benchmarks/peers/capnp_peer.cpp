@@ -103,8 +103,7 @@ class ImageReader final : public images::Reader {
  private:
   /// Apart, as that of calls.
   struct Connection {
-    explicit Connection(const std::string& address)
-        : rpc(address), object(rpc.getMain<Camera>()) {}
+    explicit Connection(const std::string& address) : rpc(address), object(rpc.getMain<Camera>()) {}
     capnp::EzRpcClient rpc;
     Camera::Client object;
     kj::Maybe<capnp::Response<Camera::NextResults>> response;

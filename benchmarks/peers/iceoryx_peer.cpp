@@ -1,6 +1,6 @@
 // iceoryx as Debian has it, request/response. HOW: poll (asks again and again) or wait (its
-// WaitSet); or images, by publish/subscribe: images-poll, images-wait. Its daemon, RouDi, is the server's parent, so that it can end it and then itself. A
-// host has one: run no other meanwhile.
+// WaitSet); or images, by publish/subscribe: images-poll, images-wait. Its daemon, RouDi, is the
+// server's parent, so that it can end it and then itself. A host has one: run no other meanwhile.
 
 #include <signal.h>
 #include <sys/prctl.h>
@@ -180,7 +180,8 @@ class ImageReader final : public images::Reader {
  private:
   using Posh = popo::Subscriber<Image>;
   struct Port {
-    explicit Port(const std::string& how) : wait(how, subscriber, popo::SubscriberState::HAS_DATA) {}
+    explicit Port(const std::string& how)
+        : wait(how, subscriber, popo::SubscriberState::HAS_DATA) {}
     Posh subscriber{camera_service, [] {
                       popo::SubscriberOptions options;
                       options.queueCapacity = queue;

@@ -14,9 +14,7 @@ namespace {
 
 constexpr std::chrono::milliseconds pace{5};
 
-std::int64_t now() {
-  return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
-}
+std::int64_t now() { return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count(); }
 
 /// Reads every octet: each must equal the one before. memcmp takes no longer than to get them.
 bool of_one_image(const std::uint8_t* octets, const Stamps& stamps) {

@@ -5,7 +5,8 @@
 // READABLE is from just before an image is sent until a reader has a pointer to its octets. WHOLE
 // is from before the server obtains memory for it until the reader has read every octet. SENDING is
 // what the server takes to send it. An image that was overwritten before it was read is lost and
-// not counted; when more than a tenth are lost, the client fails. Both ends are on one host and share a clock.
+// not counted; when more than a tenth are lost, the client fails. Both ends are on one host and
+// share a clock.
 #pragma once
 
 #include <cstddef>

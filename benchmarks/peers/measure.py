@@ -93,7 +93,7 @@ def _once(
     mine, servers = cores[0], cores[0 if setting.one_core else 1]
     with contextlib.closing(Pair(line.candidate, servers, env)) as pair:
         if setting.images:
-            return _images(pair, line, pace.seconds, cores[:2])
+            return _images(pair, line, pace.seconds, mine)
         for _ in range(line.idle_clients):
             pair.client(cores)
         client = pair.client([mine])
@@ -132,10 +132,11 @@ def _beside(checked: Process, unchecked: Process, seconds: float) -> Measured:
     return Measured(p50=p50, unchecked=without)
 
 
-def _images(pair: Pair, line: Line, seconds: float, cores: list[int]) -> Measured:
-    """Images take longer than calls, so they are given more time."""
-    client = pair.client(cores[:1])
-    others = [pair.client(cores) for _ in range(line.other_readers)]
+def _images(pair: Pair, line: Line, seconds: float, core: int) -> Measured:
+    """Images take longer than calls, so they are given more time. All readers share a core: one on
+    the core of the server would interrupt it while it sends."""
+    client = pair.client([core])
+    others = [pair.client([core]) for _ in range(line.other_readers)]
     for other in others:
         other.say(f"images {2 * seconds + 0.4}")  # begins before, ends after
     _ask(client, "images 0.2")  # warm

@@ -18,9 +18,8 @@ class Echo : public POA_peers_corba::Exchange {
 class Images : public POA_peers_corba::Camera {
   peers_corba::Image* next() override {
     camera_.begin();
-    peers_corba::Image_var image =
-        new peers_corba::Image(images::size, images::size,
-                               peers_corba::Image::allocbuf(images::size), true);
+    peers_corba::Image_var image = new peers_corba::Image(
+        images::size, images::size, peers_corba::Image::allocbuf(images::size), true);
     camera_.write(image->get_buffer());
     return image._retn();
   }

@@ -184,7 +184,7 @@ def settings(of: Candidates) -> list[Setting]:
     ]
 
 
-FAR_LESS = 0.1
+FAR_LESS = 0.2
 """Share of the time of a copy, for what is done without one."""
 
 
@@ -214,6 +214,7 @@ def images(of: ImageCandidates) -> list[Setting]:
             (
                 bar(waits, 2.0, iceoryx2, figure=Figure.READABLE),
                 bar(waits, 1.0, iceoryx2, *others, figure=Figure.WHOLE),
+                bar(three, 1.2, waits, figure=Figure.SENDING),
                 bar(three, FAR_LESS, copy, figure=Figure.SENDING),
             ),
             figure=Figure.READABLE,

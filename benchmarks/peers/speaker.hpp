@@ -80,8 +80,8 @@ int speak_lines(
     int argc, char** argv, const std::function<void(const std::string& how)>& serve,
     const std::function<Answer(const std::string& how, const std::string& address)>& connect);
 
-/// Speaks for `main` of calls. `serve` says that it is ready and does not return before the server has
-/// ended.
+/// Speaks for `main` of calls. `serve` says that it is ready and does not return before the server
+/// has ended.
 int speak(int argc, char** argv, const std::function<void(const std::string& how)>& serve,
           const std::function<std::unique_ptr<Client>(const std::string& how,
                                                       const std::string& address)>& connect);
