@@ -49,6 +49,8 @@ class Candidates:
     iceoryx2_polled: Candidate
     iceoryx2: Candidate
     iceoryx2_python: Candidate
+    iceoryx_topics: Candidate
+    iceoryx2_topics: Candidate
     images: ImageCandidates
 
     def blocking(self) -> tuple[Candidate, ...]:
@@ -111,5 +113,9 @@ def candidates(build: Path) -> Candidates:
         iceoryx2_python=of(
             "iceoryx2, polled from Python", "iceoryx2-python", iceoryx2, "poll", *iceoryx2_client
         ),
+        iceoryx_topics=of(
+            "iceoryx, publish/subscribe", "iceoryx", theirs / "iceoryx_peer", "topics"
+        ),
+        iceoryx2_topics=of("iceoryx2, publish/subscribe", "iceoryx2", iceoryx2, "topics"),
         images=images,
     )

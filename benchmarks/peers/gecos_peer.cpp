@@ -59,6 +59,20 @@ T must(tl::expected<T, E> result) {
 }
 
 class Echo final : public bench::ExchangeServant {
+ public:
+  /// A stream has a newest sample once something was published.
+  void begin() { publish_pose({}); }
+
+ private:
+  gecos::Result<bench::Sample> pose() override { return bench::Sample{}; }
+  gecos::Result<bench::Summary> publish(double seconds) override {
+    bench::Sample pose;
+    const auto took = time_bursts(Seconds(seconds), [&] {
+      pose.stamp += 1;
+      publish_pose(pose);
+    });
+    return bench::Summary{.count = took.count, .p50 = took.p50, .p99 = took.p99};
+  }
   gecos::Result<bench::Sample> echo(const bench::Sample& given) override { return given; }
   gecos::Result<bench::Sample> echo_unchecked(const bench::Sample& given) override { return given; }
   gecos::Result<bench::Sample> echo_late(const bench::Sample& given, double seconds,
@@ -79,6 +93,7 @@ void serve(const std::string& how) {
   if (served) served = server.add("EXCHANGE", echo, options);
   if (served) served = server.add("OPEN", open, options);
   if (!served) throw std::runtime_error(served.error().text);
+  echo.begin();
   say_ready("EXCHANGE");
   server.run();
 }
@@ -97,6 +112,17 @@ class GecosClient final : public PipeliningClient {
   }
   Sample call_late(const Sample& sample, Seconds late) override {
     return answer(object_.echo_late(typed(sample), late.count()));
+  }
+  void look() override {
+    if (!poses_) {
+      poses_ = must(object_.pose(gecos::stream));
+      static_cast<void>(must(poses_->next(std::chrono::seconds(10))));
+    }
+    if (!poses_->latest()) throw std::runtime_error("the stream has no sample");
+  }
+  Summary publish(Seconds how_long) override {
+    const auto took = must(object_.publish(how_long.count()).get());
+    return {took.count, took.p50, took.p99};
   }
 
  protected:
@@ -121,6 +147,7 @@ class GecosClient final : public PipeliningClient {
   std::string how_;
   std::optional<bench::Exchange> open_;
   gecos::Lease lease_;
+  std::optional<gecos::Stream<bench::Sample>> poses_;
   std::deque<gecos::Command<bench::Sample>> issued_;
 };
 

@@ -1,6 +1,7 @@
 // iceoryx as Debian has it, request/response. HOW: poll (asks again and again) or wait (its
-// WaitSet); or images, by publish/subscribe: images-poll, images-wait. Its daemon, RouDi, is the
-// server's parent, so that it can end it and then itself. A host has one: run no other meanwhile.
+// WaitSet); or publish/subscribe: topics, polled, there and back; images-poll, images-wait. Its
+// daemon, RouDi, is the server's parent, so that it can end it and then itself. A host has one: run
+// no other meanwhile.
 
 #include <signal.h>
 #include <sys/prctl.h>
@@ -148,6 +149,63 @@ class IceoryxClient final : public PipeliningClient {
   std::size_t collected_ = 0;
 };
 
+// Publish/subscribe
+
+const capro::ServiceDescription there{"bench-peers", "Topics", "there"};
+const capro::ServiceDescription back{"bench-peers", "Topics", "back"};
+
+/// One end of two topics. Whoever publishes keeps the last sample for a subscriber that is late.
+class Topics {
+ public:
+  Topics(const capro::ServiceDescription& out, const capro::ServiceDescription& in)
+      : publisher_(out), subscriber_(in) {
+    while (subscriber_.getSubscriptionState() != SubscribeState::SUBSCRIBED)
+      std::this_thread::yield();
+    while (!publisher_.hasSubscribers()) std::this_thread::yield();
+  }
+  void send(const Sample& sample) {
+    publisher_.publishCopyOf(sample).or_else(
+        [](auto&) { throw std::runtime_error("iceoryx: no memory for a sample"); });
+  }
+  Sample receive() {
+    Sample received;
+    while (!subscriber_.take().and_then([&](const auto& sample) { received = *sample; })) {
+    }
+    return received;
+  }
+
+ private:
+  popo::Publisher<Sample> publisher_;
+  popo::Subscriber<Sample> subscriber_;
+};
+
+[[noreturn]] void serve_topics(char* program) {
+  if (::fork() != 0) be_roudi(program);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  start_runtime("server");
+  say_ready("iceoryx");
+  for (Topics topics(back, there);;) topics.send(topics.receive());
+}
+
+class TopicsClient final : public PipeliningClient {
+ public:
+  TopicsClient() {
+    start_runtime("client");
+    topics_.emplace(there, back);
+  }
+  Sample call(const Sample& sample) override {
+    issue(sample);
+    return collect();
+  }
+
+ protected:
+  void issue(const Sample& sample) override { topics_->send(sample); }
+  Sample collect() override { return topics_->receive(); }
+
+ private:
+  std::optional<Topics> topics_;
+};
+
 void serve_images(char* program) {
   if (::fork() != 0) be_roudi(program);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -206,8 +264,13 @@ int main(int argc, char** argv) {
         });
   }
   return peers::speak(
-      argc, argv, [&](const std::string& how) { peers::serve(how, argv[0]); },
-      [](const std::string& how, const std::string&) {
+      argc, argv,
+      [&](const std::string& how) {
+        if (how == "topics") peers::serve_topics(argv[0]);
+        peers::serve(how, argv[0]);
+      },
+      [](const std::string& how, const std::string&) -> std::unique_ptr<peers::Client> {
+        if (how == "topics") return std::make_unique<peers::TopicsClient>();
         return std::make_unique<peers::IceoryxClient>(how);
       });
 }

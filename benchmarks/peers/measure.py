@@ -110,14 +110,15 @@ def _once(
         if setting.silent:
             return _trips(_ask(client, f"silent 1.0 {pace.rests}"))
         loops.begin()
-        if not line.flooded:
-            measured = _trips(_ask(client, f"trips {pace.seconds}"), pace.seconds)
+        if not line.flooded and not line.followed:
+            measured = _trips(_ask(client, f"{line.word} {pace.seconds}"), pace.seconds)
             return replace(measured, loops=loops.share())
-        flooder = pair.client(cores[:2])
-        flooder.say(f"outstanding 64 {pace.seconds + 0.2}")  # begins before, ends after
-        _ask(client, "trips 0.1")
-        measured = _trips(_ask(client, f"trips {pace.seconds}"))
-        flooder.line()
+        other = pair.client(cores[:2] if line.flooded else [mine])
+        asked = "outstanding 64" if line.flooded else "follow"
+        other.say(f"{asked} {pace.seconds + 0.2}")  # begins before, ends after
+        _ask(client, f"{line.word} 0.1")
+        measured = _trips(_ask(client, f"{line.word} {pace.seconds}"))
+        other.line()
         return measured
 
 

@@ -1,6 +1,6 @@
 """Calls as they are made in life, by programs that were built to record which branches they take:
-alone and many at a time, across cores and on one, at once and after silence, over shm and lcm; and
-images, polled and waited for.
+alone and many at a time, across cores and on one, at once and after silence, over shm and lcm; the
+samples of a stream; and images, polled and waited for.
 tools/build_release.sh builds by what they record."""
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from candidates import candidates
 from pair import Candidate, Pair
 
 CALLS = ("trips 0.5", "unchecked 0.5", "outstanding 64 0.5", "silent 0.02 25")
+STREAM = ("look 0.2", "publish 0.2")
 IMAGES = ("images 0.5",)
 
 
@@ -38,6 +39,7 @@ def main() -> None:
         for among in (cores, cores[:1]):
             for candidate in (ours.ours, ours.ours_lcm):
                 record(candidate, CALLS, among, env)
+        record(ours.ours, STREAM, cores, env)
         for candidate in (ours.images.ours, ours.images.ours_polled):
             record(candidate, IMAGES, cores, env)
 

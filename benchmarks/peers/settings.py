@@ -42,6 +42,8 @@ class Line:
     beside: bool = False  # of another user, in turn with unchecked calls of the server's own user
     late: float = 0.0  # its calls are answered after so many seconds
     other_readers: int = 0  # of the images
+    word: str = "trips"  # what the client is asked for; speaker.hpp has the words
+    followed: bool = False  # one more client looks at the stream once in a millisecond
 
     @property
     def label(self) -> str:
@@ -102,13 +104,19 @@ def settings(of: Candidates) -> list[Setting]:
     checked = Line(of.ours, ", another user, with a list, a status and an audit", beside=True)
     late = Line(of.ours, ", a client whose answers take 11 ms", late=0.011)
     python, iceoryx2_python = lines(of.ours_python, of.iceoryx2_python)
+    topics = lines(of.iceoryx_topics, of.iceoryx2_topics)
+    looking = Line(of.ours, ", the newest sample of a stream that does not change", word="look")
+    publishing = Line(
+        of.ours, ", publishing beside a reader that mostly sleeps", word="publish", followed=True
+    )
     all_peers = (iceoryx_polled, iceoryx2_polled, *blocking)
     return [
         Setting(
             "two cores",
-            (spin, socket, *all_peers, ours, idle),
+            (spin, socket, *topics, *all_peers, ours, idle),
             (
-                bar(ours, 5.0, spin),
+                bar(ours, 2.0, spin),
+                bar(ours, 1.0, *topics),
                 bar(ours, 0.6, iceoryx_polled),
                 bar(idle, 5.0, spin),
                 bar(idle, 0.6, iceoryx_polled),
@@ -129,7 +137,7 @@ def settings(of: Candidates) -> list[Setting]:
         Setting(
             "one core",
             (yielding, socket, *blocking, ours),
-            (bar(ours, 1.5, yielding), bar(ours, 1.0, *blocking)),
+            (bar(ours, 1.2, yielding), bar(ours, 1.0, *blocking)),
             one_core=True,
         ),
         Setting(
@@ -148,7 +156,10 @@ def settings(of: Candidates) -> list[Setting]:
         Setting(
             "64 outstanding, two cores",
             (spin, socket, *all_peers, ours),
-            (bar(ours, 1.5, *all_peers, figure=Figure.RATE),),
+            (
+                bar(ours, 5.0, *all_peers, figure=Figure.RATE),
+                bar(ours, 0.25, spin, figure=Figure.RATE),
+            ),
             figure=Figure.RATE,
             outstanding=64,
         ),
@@ -168,7 +179,7 @@ def settings(of: Candidates) -> list[Setting]:
         Setting(
             "from Python, two cores",
             (iceoryx2_python, python),
-            (bar(python, 0.7, iceoryx2_python),),
+            (bar(python, 0.3, iceoryx2_python),),
         ),
         Setting(
             "nothing to do, or waits of 11 ms",
@@ -178,6 +189,11 @@ def settings(of: Candidates) -> list[Setting]:
                 bar(late, 0.2, figure=Figure.SHARE),
             ),
             figure=Figure.SHARE,
+        ),
+        Setting(
+            "streams, two cores",
+            (looking, publishing),
+            (bar(looking, 0.1), bar(publishing, 0.15)),
         ),
         *images(of.images),
         *beside_loops(ours, iceoryx_polled, iceoryx2_polled),

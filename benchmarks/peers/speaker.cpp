@@ -29,12 +29,27 @@ Nanoseconds of_the_clock() {
   return quantile(times, 0.5);
 }
 
+Summary time_bursts(Seconds how_long, const std::function<void()>& once) {
+  constexpr int burst = 100;
+  std::vector<Nanoseconds> times;
+  for (const auto end = Clock::now() + how_long; Clock::now() < end;) {
+    const auto before = Clock::now();
+    for (int i = 0; i < burst; ++i) once();
+    times.push_back((Clock::now() - before) / burst);
+  }
+  const auto clock = of_the_clock() / burst;
+  return {times.size() * burst, (quantile(times, 0.5) - clock).count(),
+          (quantile(times, 0.99) - clock).count()};
+}
+
 namespace {
+
+void say(const Summary& what) { std::printf("%zu %.1f %.1f\n", what.count, what.p50, what.p99); }
 
 void say(std::vector<Nanoseconds>& times) {
   const auto clock = of_the_clock();
-  std::printf("%zu %.1f %.1f\n", times.size(), (quantile(times, 0.5) - clock).count(),
-              (quantile(times, 0.99) - clock).count());
+  say(Summary{times.size(), (quantile(times, 0.5) - clock).count(),
+              (quantile(times, 0.99) - clock).count()});
 }
 
 using Call = Sample (Client::*)(const Sample&);
@@ -82,6 +97,15 @@ void late(Client& client, Seconds each, Seconds how_long) {
   std::printf("%zu\n", count);
 }
 
+void follow(Client& client, Seconds how_long) {
+  std::size_t count = 0;
+  for (const auto end = Clock::now() + how_long; Clock::now() < end; ++count) {
+    client.look();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  std::printf("%zu\n", count);
+}
+
 void outstanding(Client& client, unsigned number, Seconds how_long) {
   const auto begin = Clock::now();
   const auto calls =
@@ -103,6 +127,12 @@ void answer(Client& client, const std::string& line) {
     silent(client, Seconds(first), static_cast<std::size_t>(second));
   } else if (word == "late" && second > 0) {
     late(client, Seconds(first), Seconds(second));
+  } else if (word == "look" && first > 0) {
+    say(time_bursts(Seconds(first), [&] { client.look(); }));
+  } else if (word == "follow" && first > 0) {
+    follow(client, Seconds(first));
+  } else if (word == "publish" && first > 0) {
+    say(client.publish(Seconds(first)));
   } else if (word == "outstanding" && first >= 1 && second > 0) {
     outstanding(client, static_cast<unsigned>(first), Seconds(second));
   } else {
@@ -118,6 +148,12 @@ Sample Client::call_unchecked(const Sample& /*sample*/) {
 
 Sample Client::call_late(const Sample& /*sample*/, Seconds /*late*/) {
   throw std::logic_error("this peer has no call that is answered late");
+}
+
+void Client::look() { throw std::logic_error("this peer has no stream to look at"); }
+
+Summary Client::publish(Seconds /*how_long*/) {
+  throw std::logic_error("this peer has no stream that it publishes");
 }
 
 std::uint64_t PipeliningClient::calls_until(Clock::time_point end, unsigned outstanding) {

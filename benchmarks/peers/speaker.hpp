@@ -8,6 +8,12 @@
 //     silent SECONDS COUNT         each after that long a rest   -> COUNT P50 P99 (ns)
 //     outstanding NUMBER SECONDS   so many calls at a time       -> CALLS_PER_SECOND
 //     late EACH SECONDS            each answered so late         -> COUNT
+//     look SECONDS                 at the newest sample of a stream, again and again
+//                                                                -> COUNT P50 P99 (ns)
+//     follow SECONDS               the same, once in a millisecond
+//                                                                -> COUNT
+//     publish SECONDS              the server publishes samples, and measures
+//                                                                -> COUNT P50 P99 (ns)
 //   A program whose HOW begins with "images" sends and reads images, and answers the line
 //   of images.hpp.
 // What reading the clock takes is taken off P50 and P99. Needs nothing but the standard library,
@@ -16,6 +22,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -34,6 +41,17 @@ struct Sample {
 };
 static_assert(sizeof(Sample) == 64);
 
+/// How long so many of something took, in ns.
+struct Summary {
+  std::size_t count = 0;
+  double p50 = 0;
+  double p99 = 0;
+};
+
+/// Does `once` again and again, and times it in bursts, since it may take less than reading the
+/// clock does.
+Summary time_bursts(Seconds how_long, const std::function<void()>& once);
+
 /// A client that is connected. Throws when a call fails: a benchmark of failures is worth nothing.
 class Client {
  public:
@@ -43,6 +61,10 @@ class Client {
   virtual Sample call_unchecked(const Sample& sample);
   /// A call that the server answers `late`; not every peer has one.
   virtual Sample call_late(const Sample& sample, Seconds late);
+  /// Looks at the newest sample of a stream; not every peer has one.
+  virtual void look();
+  /// Has the server publish samples; not every peer has a stream.
+  virtual Summary publish(Seconds how_long);
   /// Keeps `outstanding` calls on their way until `end`; how many were answered.
   virtual std::uint64_t calls_until(Clock::time_point end, unsigned outstanding) = 0;
 };

@@ -1,8 +1,10 @@
 //! iceoryx2, request/response. HOW: poll (asks again and again) or wait (sleeps on its events, one service of
-//! them for each direction); or images, by publish/subscribe: images-poll, images-wait. The address is the name of the service.
+//! them for each direction); or publish/subscribe: topics, polled, there and back; images-poll, images-wait. The address
+//! is the name of the service.
 
 mod images;
 mod speaker;
+mod topics;
 
 use iceoryx2::port::{client::Client as Requests, listener::{Listener, ListenerWaitError}, notifier::Notifier};
 use iceoryx2::pending_response::PendingResponse;
@@ -133,6 +135,8 @@ fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words[..] {
+        ["serve", "topics"] => topics::serve(),
+        ["call", "topics", name] => topics::call(name),
         ["serve", how] => match how.strip_prefix("images-") {
             Some(how) => images::serve(how),
             None => serve(how),
