@@ -840,3 +840,27 @@ def test_explain_measures_the_media_on_request(arm: Arm, run: Run) -> None:
         assert valid(out, "explain")
         for medium in json.loads(out)["media"]:
             assert (medium["round_trip"] is not None) == (bool(flags) and medium["suitable"])
+
+
+def test_a_medium_that_explain_cannot_reach_does_not_hide_the_others(
+    arm: Arm, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    create = gecos.Lab.create
+
+    def refused_over_lcm(lab: gecos.Lab, interface: Any, name: str, **how: Any) -> Any:
+        if how.get("medium") == "lcm":
+            attempt = gecos.Attempt(name, gecos.Detail.REFUSED, "this key is not admitted")
+            raise gecos.CreateError([attempt])
+        return create(lab, interface, name, **how)
+
+    monkeypatch.setattr(gecos.Lab, "create", refused_over_lcm)
+    code, out, _ = run("explain", "ARM", "--measure")
+    assert code == 0
+    assert "  measured over shm: " in out
+    assert "  lcm: not reached: this key is not admitted\n" in out
+    code, out, _ = run("explain", "ARM", "--measure", "--json")
+    assert (code, valid(out, "explain")) == (0, True)
+    media = {each["medium"]: each for each in json.loads(out)["media"]}
+    assert media["lcm"]["not_reached"] == "this key is not admitted"
+    assert media["lcm"]["round_trip"] is None
+    assert media["shm"]["not_reached"] is None

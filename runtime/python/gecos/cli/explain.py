@@ -9,22 +9,33 @@ import click
 from gecos.cli.options import broker_option, json_option, name_argument, print_json
 
 if TYPE_CHECKING:
-    from gecos import Explanation, Lab, Object
+    from gecos import CreateError, Explanation, Lab, Object
 
 _ANY_LATENCY = 3600.0  # s; asks `create` for a measurement, and refuses no medium
 
 
-def round_trips(lab: Lab, interface: type[Object], told: Explanation) -> dict[str, float]:
-    """Returns the round trip in s over each suitable medium of an object. Raises CreateError if no
-    session can be opened over one of these media, or if a medium is too slow for the interface."""
+def round_trips(
+    lab: Lab, interface: type[Object], told: Explanation
+) -> dict[str, float | CreateError]:
+    """Returns the round trip in s over each suitable medium of an object, or the reason why no
+    session can be opened over the medium, for example because the server does not admit the key of
+    this user, or because the medium is too slow for the interface."""
     import gecos
 
-    measured = {}
+    measured: dict[str, float | CreateError] = {}
     for each in told.media:
         if each.suitable:
-            proxy = lab.create(interface, told.name, medium=each.medium, latency=_ANY_LATENCY)
-            measured[each.medium] = gecos.line_state(proxy).round_trip or 0.0
+            try:
+                proxy = lab.create(interface, told.name, medium=each.medium, latency=_ANY_LATENCY)
+            except gecos.CreateError as error:
+                measured[each.medium] = error
+            else:
+                measured[each.medium] = gecos.line_state(proxy).round_trip or 0.0
     return measured
+
+
+def _reasons(error: CreateError) -> str:
+    return "; ".join(attempt.reason for attempt in error.attempts)
 
 
 @click.command()
@@ -42,7 +53,9 @@ def explain(name: str, broker: str | None, measure: bool, as_json: bool) -> None
     with gecos.Lab(broker) as lab:
         interface = interface_of(find(lab, name))
         told = lab.explain(interface, name)
-        measured = round_trips(lab, interface, told) if measure else {}
+        tried = round_trips(lab, interface, told) if measure else {}
+    measured = {medium: trip for medium, trip in tried.items() if isinstance(trip, float)}
+    failed = {medium: _reasons(e) for medium, e in tried.items() if not isinstance(e, float)}
     if as_json:
         print_json(
             {
@@ -57,6 +70,7 @@ def explain(name: str, broker: str | None, measure: bool, as_json: bool) -> None
                         "suitable": each.suitable,
                         "reason": each.reason,
                         "round_trip": measured.get(each.medium),
+                        "not_reached": failed.get(each.medium),
                         "members": [
                             {"name": member.name, "reason": member.reason}
                             for member in each.members
@@ -72,3 +86,5 @@ def explain(name: str, broker: str | None, measure: bool, as_json: bool) -> None
         print(report.printable(str(told)))
         for medium, round_trip in measured.items():
             print(f"  measured over {medium}: {round_trip * 1e3:.3g} ms")
+        for medium, reason in failed.items():
+            print(report.printable(f"  {medium}: not reached: {reason}"))
