@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -864,3 +865,21 @@ def test_a_medium_that_explain_cannot_reach_does_not_hide_the_others(
     assert media["lcm"]["not_reached"] == "this key is not admitted"
     assert media["lcm"]["round_trip"] is None
     assert media["shm"]["not_reached"] is None
+
+
+def test_policy_says_what_reading_and_setting_an_attribute_needs(arm: Arm, run: Run) -> None:
+    def told(member: str, *flags: str) -> str:
+        code, out, _ = run("policy", "test", "root", socket.gethostname(), "ARM", member, *flags)
+        assert code == 0
+        return out
+
+    assert told("tool_offset").splitlines()[-2:] == [
+        "reading tool_offset needs no status, for every caller",
+        "setting tool_offset needs actor status, for every caller",
+    ]
+    found = json.loads(told("tool_offset", "--json"))
+    assert (found["status"], found["status_to_set"]) == ("SENSOR", "ACTOR")
+    sending = "sending samples of alter needs actor status, for every caller"
+    assert told("alter").splitlines()[-1] == sending
+    assert "reading alter" not in told("alter")
+    assert told("move").splitlines()[-1] == "move needs actor status, for every caller"

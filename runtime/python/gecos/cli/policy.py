@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from gecos.cli.exit_codes import ExitCode, UsageFailure
+from gecos.cli.exit_codes import ExitCode, UsageFailure, exit_code
 from gecos.cli.options import broker_option, json_option, print_json
 
 if TYPE_CHECKING:
-    from gecos.interface import Access
+    from gecos.cli.policy_asked import Answer, ServerUser
+    from gecos.dynamic_client.model import Member
 
 _OF_THIS_HOST = Path("/etc/gecos/lab.toml")
 
@@ -33,7 +36,11 @@ def policy() -> None:
     type=click.Path(path_type=Path),
     help="Lab file; default: GECOS_LAB_FILE, else /etc/gecos/lab.toml if it exists.",
 )
-@click.option("--server-user", metavar="USER", help="User of the server; default: yours.")
+@click.option(
+    "--server-user",
+    metavar="USER",
+    help="User of the server; default: as the broker says, else yours.",
+)
 @click.option("--serve", is_flag=True, help="Whether USER may serve OBJECT, by [names].")
 @broker_option
 @json_option
@@ -50,38 +57,172 @@ def test(
 ) -> int:
     """Says whether USER on HOST may connect to OBJECT, and which rule decides this.
 
-    Decides by the lab file, for a server on this host. A list that a program gives to Server.allow
-    is not known here. With OPERATION, asks OBJECT which status this operation needs; the lab file
-    has no influence on the status. Ends with 0 if USER is allowed, and with 5 if not.
+    Decides by the lab file of this host. A list in the program of the server is not known here: if
+    the file has a list for OBJECT, too, both must admit USER. If you are USER on HOST and OBJECT is
+    online, also connects to OBJECT, whose answer counts. With OPERATION, asks OBJECT which status
+    this operation or attribute needs; the lab file has no influence on the status. Ends with 0 if
+    USER is allowed, and with 5 if not.
     """
     import socket
 
-    from gecos import _core, key_folder
+    import gecos
+    from gecos import key_folder
+    from gecos.cli import policy_asked
 
     path = file or named_file()
     text = "" if path is None else text_of(path)
-    server = (server_user or key_folder.this_user(), socket.gethostname())
-    try:
-        who, shown = (user, host), str(path or "")
+    who = (user, host)
+    with gecos.Lab(broker) as lab:
         if serve:
-            allowed, rule = _core.may_register(text, shown, who, object_name)
+            found = _may_serve(text, path, who, object_name)
         else:
-            allowed, rule = _core.may_connect(text, shown, server, who, object_name)
+            server = (
+                policy_asked.server_user(lab, object_name)
+                if server_user is None
+                else policy_asked.ServerUser(server_user, socket.gethostname(), "option")
+            )
+            found = _may_connect(text, path, server, who, object_name)
+            caller = (key_folder.this_user(), socket.gethostname())
+            if who == caller and file is None and server_user is None:
+                found.answer = policy_asked.answer(lab, object_name)
+        if not as_json:
+            _tell(found, who, object_name)
+        if operation is not None:
+            try:
+                found.member = policy_asked.member(lab, object_name, operation)
+            except (ConnectionError, RuntimeError, ValueError) as error:
+                found.unknown = error
+    if as_json:
+        _tell_json(found, operation)
+    if found.member is not None and not as_json:
+        print("\n".join(policy_asked.needs(found.member)))
+    if found.unknown is not None and not as_json:
+        _tell_unknown(found.unknown, operation)
+    return _code(found)
+
+
+@dataclass(slots=True)
+class _Found:
+    """What the lab file says about a user and an object, and what was asked."""
+
+    allowed: bool
+    rule: str
+    server: ServerUser | None = None  # None: it is about serving
+    program: str = ""  # what a list in the program of the server may change
+    answer: Answer | None = None  # of the object, if this program is of the user
+    member: Member | None = None
+    unknown: Exception | None = None  # why the member is not known
+
+
+def _may_serve(text: str, path: Path | None, who: tuple[str, str], name: str) -> _Found:
+    from gecos import _core
+
+    try:
+        return _Found(*_core.may_register(text, str(path or ""), who, name))
     except ValueError as error:
         raise UsageFailure(str(error)) from None
-    status = None if operation is None else _status_of(broker, object_name, operation)
-    if as_json:
-        needed = None if status is None else status.name
-        print_json({"allowed": allowed, "rule": rule, "operation": operation, "status": needed})
-    else:
-        print(f"{'allowed' if allowed else 'denied'}: {rule}")
-        if status is not None:
-            print(f"{operation} needs {_words(status)}, for every caller")
-    return ExitCode.FINISHED if allowed else ExitCode.NO_ACCESS
 
 
-def _words(status: Access) -> str:
-    return "no status" if status.name == "SENSOR" else f"{status.name.lower()} status"
+def _may_connect(
+    text: str, path: Path | None, server: ServerUser, who: tuple[str, str], name: str
+) -> _Found:
+    from gecos import _core
+
+    of = (server.user, server.host)
+    try:
+        found = _Found(*_core.may_connect(text, str(path or ""), of, who, name), server)
+    except ValueError as error:
+        raise UsageFailure(str(error)) from None
+    if who in (of, ("root", server.host)):
+        return found  # whatever the lists say
+    list_of_program = "a list in the program of the server (`users` of serve, `Server::allow`)"
+    if not _has_list(text, name):
+        found.program = (
+            f"{list_of_program} may admit the user all the same, because the file has no list for "
+            f"{name}"
+        )
+    elif found.allowed:
+        found.program = f"{list_of_program} must admit the user, too, if there is one"
+    return found
+
+
+def _has_list(text: str, name: str) -> bool:
+    """Returns whether a lab file without errors has a list for an object."""
+    import tomllib
+
+    file = tomllib.loads(text)
+    objects = file.get("objects", {})
+    lists = [key for key, table in objects.items() if "allow" in table]
+    return "allow" in file or name in lists or (name == "BROKER" and bool(lists))
+
+
+def _tell(found: _Found, who: tuple[str, str], name: str) -> None:
+    """Prints what the lab file says, on what that depends, and what the object itself says."""
+    import socket
+
+    from gecos.cli.report import printable
+
+    print(f"{'allowed' if found.allowed else 'denied'}: {found.rule}")
+    server = found.server
+    if server is not None and server.known_from == "broker":
+        whose = f"user {server.user} of host {server.host}"
+        print(printable(f"the server of {name} runs as {whose}, as the broker says"))
+        if server.host != socket.gethostname():
+            print(printable(f"it reads the lab file of host {server.host}, not the one of here"))
+    elif server is not None and server.known_from == "assumed":
+        print(
+            f"this assumes that the server of {name} runs as user {server.user}, because no broker "
+            "says whose server it has; name the user by --server-user"
+        )
+    if found.answer is not None:
+        does = f"reaches {name} now" if found.answer.admits else f"is refused at {name} now"
+        reason = f": {found.answer.reason}" if found.answer.reason else ""
+        print(printable(f"asked: a program of user {who[0]} {does}{reason}"), flush=True)
+    elif found.program:
+        print(f"this is what the file says; {found.program}", flush=True)
+
+
+def _tell_json(found: _Found, operation: str | None) -> None:
+    from gecos.cli import policy_asked
+
+    called, set_ = (None, None) if found.member is None else policy_asked.statuses(found.member)
+    server = found.server
+    print_json(
+        {
+            "allowed": found.allowed,
+            "rule": found.rule,
+            "server": None
+            if server is None
+            else {"user": server.user, "host": server.host, "known_from": server.known_from},
+            "admitted": None if found.answer is None else found.answer.admits,
+            "operation": operation,
+            "status": called,
+            "status_to_set": set_,
+            "status_unknown": None if found.unknown is None else str(found.unknown),
+        }
+    )
+
+
+def _tell_unknown(error: Exception, operation: str | None) -> None:
+    from gecos.cli.report import printable
+
+    why = str(error)
+    if not isinstance(error, UsageFailure):
+        why = f"which status {operation} needs is not known: {why}"
+    print(printable(f"gecos: {why}"), file=sys.stderr)
+
+
+def _code(found: _Found) -> int:
+    """Returns the exit code. A refusal of the question about the status is no verdict, so it never
+    gives NO_ACCESS."""
+    if isinstance(found.unknown, UsageFailure):
+        return ExitCode.USAGE
+    if not (found.allowed if found.answer is None else found.answer.admits):
+        return ExitCode.NO_ACCESS
+    if found.unknown is None:
+        return ExitCode.FINISHED
+    code = exit_code(found.unknown)
+    return ExitCode.CONNECTION_FAILED if code is ExitCode.NO_ACCESS else code
 
 
 def named_file() -> Path | None:
@@ -110,20 +251,3 @@ def text_of(path: Path) -> str:
         raise UsageFailure(f"{path}: {error.strerror}") from None
     except ValueError as error:
         raise UsageFailure(f"{path}: {error}") from None
-
-
-def _status_of(broker: str | None, name: str, operation: str) -> Access:
-    import gecos
-    from gecos.dynamic_client import read_model
-    from gecos.dynamic_client.connect import find, served_models, without_model
-
-    with gecos.Lab(broker) as lab:
-        found = find(lab, name)
-        interface = gecos.describe(found).result().interface_name
-        models = served_models(found)
-    if not models:
-        raise UsageFailure(without_model(name))
-    members = {member.name: member for member in read_model(models, interface).members}
-    if operation not in members:
-        raise UsageFailure(f"{name} has no {operation}; its members are {', '.join(members)}")
-    return members[operation].access
