@@ -11,6 +11,7 @@ import gecos
 import pytest
 from command_output import Run, valid
 from gecos import key_folder
+from gecos.cli import policy
 from gecos.dynamic_client import connect
 from gecos.laboratory import LaboratoryFileError, read_laboratory
 from robcl.device import DeviceServant
@@ -87,12 +88,23 @@ def test_policy_says_what_a_list_in_the_program_may_change(file: Path, run: Run)
     assert of_file not in told("anna", "RX90")  # no program admits whom the file refuses
     file.write_text("")
     assert of_file in told("anna", "LDS")
-    assert "may admit the user all the same, because the file has no list" in told("anna", "LDS")
+    assert "may admit the user all the same, because no lab file has a list" in told("anna", "LDS")
+    assert "before it was removed" not in told("anna", "LDS")
     assert of_file not in told(ME, "LDS")
     file.write_text('[objects.LDS.allow]\nusers = ["anna"]\n')
     assert "may admit the user all the same" in told("anna", "RX90")
     assert told("anna", "BROKER").startswith("allowed: ")
     assert "must admit the user, too" in told("anna", "BROKER")
+
+
+def test_policy_without_a_file_says_that_servers_may_have_read_one(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("GECOS_LAB_FILE", raising=False)
+    monkeypatch.setattr(policy, "_OF_THIS_HOST", Path("/nonexistent/lab.toml"))
+    code, out, _ = run("policy", "test", "anna", HOST, "LDS")
+    assert code == 5
+    assert "servers that have read a file before it was removed keep its lists" in out
 
 
 def test_the_answer_of_the_object_counts_for_the_user_who_asks(

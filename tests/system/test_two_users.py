@@ -85,8 +85,9 @@ def test_a_server_in_python_names_who_is_admitted() -> None:
     assert admitted == "daemon: a lamp"
     assert refused.startswith("bin: LAMP: REFUSED: shm:")
     rule = (
-        f"LAMP refuses user bin of host {socket.gethostname()}: Server::allow in the program of "
-        'the server does not name user bin; add "bin" to its users (request '
+        f"LAMP refuses user bin of host {socket.gethostname()}: the list in the program of "
+        "the server (`allow`, or `users` and `hosts` of `serve`) does not name user "
+        'bin; add "bin" to its users (request '
     )
     assert rule in refused
 

@@ -82,8 +82,8 @@ TEST_F(LeaseTableTest, ASecondClientIsRefusedAndToldWhoHoldsItSinceAndUntilWhen)
   EXPECT_EQ(
       refused.error().text,
       "actor status refused: it is not shared, so wait or ask the holder to release it; actor "
-      "status is held by ada on lab1 (grip_block, pid 4711) for 0.1 s; this client loses it if it "
-      "stays silent for 0.4 s more");
+      "status is held by ada on lab1 (grip_block, pid 4711) for 0.1 s; the program of ada loses "
+      "the status if it stays silent for 0.4 s more");
   ASSERT_EQ(refused.error().holders.size(), 1U);
   EXPECT_EQ(refused.error().holders[0].client.pid, 4711);
 }
@@ -94,7 +94,7 @@ TEST_F(LeaseTableTest, WhoIsRefusedToMoveIsToldWhoMoves) {
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().text,
             "needs actor status; actor status is held by ada on lab1 (grip_block, pid 4711) "
-            "for 0.0 s; this client loses it if it stays silent for 0.5 s more");
+            "for 0.0 s; the program of ada loses the status if it stays silent for 0.5 s more");
 }
 
 TEST_F(LeaseTableTest, MasterIsRefusedWhileAnotherHoldsActor) {
@@ -113,7 +113,8 @@ TEST_F(LeaseTableTest, MasterRefusesReadingToOthersOnly) {
   EXPECT_EQ(
       denied.error().text,
       "is refused while another client is master: master status is held by ada on lab1 "
-      "(grip_block, pid 4711) for 0.0 s; this client loses it if it stays silent for 0.5 s more");
+      "(grip_block, pid 4711) for 0.0 s; the program of ada loses the status if it stays silent "
+      "for 0.5 s more");
 }
 
 TEST_F(LeaseTableTest, TheOnlyHolderMayBecomeMaster) {
@@ -227,8 +228,8 @@ TEST_F(LeaseTableTest, ASilentHolderOfASharedStatusIsToldThatItLostItsShare) {
   EXPECT_EQ(denied.error().reason, Denial::Reason::LeaseEnded);
   EXPECT_EQ(denied.error().text,
             "was issued under a status that has ended: its holder was silent for 0.5 s; actor "
-            "status is held by bob on lab2 (watch, pid 4712) for 0.5 s; this client loses it if it "
-            "stays silent for 0.4 s more; call actor(object) of gecos to acquire it again");
+            "status is held by bob on lab2 (watch, pid 4712) for 0.5 s; the program of bob loses the "
+            "status if it stays silent for 0.4 s more; call actor(object) of gecos to acquire it again");
   EXPECT_EQ(table.may_queue(kAda, Epoch{}, Status::Actor, now).error().reason,
             Denial::Reason::NeedsStatus)
       << "what is issued under no status is denied";
@@ -422,7 +423,7 @@ TEST_F(TakeOverTest, ByASecondHolderIsRefusedWithTheNameOfTheTaker) {
       "take-over refused: bob on lab2 (watch, pid 4712) has taken over; wait until it gives back, "
       "or stop the object; actor status is held by "))
       << refused.error().text;
-  EXPECT_NE(refused.error().text.find("; this client took over 0.1 s ago; "), std::string::npos);
+  EXPECT_NE(refused.error().text.find("; the program of bob took over 0.1 s ago; "), std::string::npos);
   const Epoch before = table.epoch();
   EXPECT_TRUE(table.take_over(kBob, now)) << "the taker has it already";
   EXPECT_EQ(table.epoch(), before);

@@ -132,8 +132,8 @@ TEST_F(TwoUsersOfOneHost, OneIsAdmittedByTheProgramAndTheOtherIsToldWhyNot) {
   const std::string refused = use(bin);
   EXPECT_EQ(refused.find("PROBE: REFUSED: shm:"), 0u) << refused;
   EXPECT_NE(refused.find("PROBE refuses user bin of host " + gecos::host_name() +
-                         ": Server::allow in the program of the server does not name user bin; "
-                         "add \"bin\" to its users"),
+                         ": the list in the program of the server (`allow`, or `users` and "
+                         "`hosts` of `serve`) does not name user bin; add \"bin\" to its users"),
             std::string::npos)
       << refused;
 }
@@ -273,6 +273,7 @@ TEST_F(TwoUsersOfOneHost, ABrokenEditChangesNothingAndIsReportedOnceWithItsLine)
     ++reports;
   }
   EXPECT_EQ(reports, 2u) << "the broker and the server of PROBE report it once each:\n" << logged;
+  EXPECT_NE(logged.find("or write an empty one to take all its lists back"), std::string::npos);
 }
 
 TEST_F(TwoUsersOfOneHost, TheFolderOfTheServerIsOpenAndTheirsAreNot) {

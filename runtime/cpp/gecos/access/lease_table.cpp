@@ -34,11 +34,12 @@ std::string how_to_get(Status needed) {
 std::string describe(const Holder& holder, TimePoint now) {
   std::string text = std::string(to_string(holder.status)) + " status is held by " +
                      name_of(holder.client) + " for " + seconds(now - holder.since);
+  const std::string program = "the program of " + holder.client.user;
   if (holder.taken_over) {
-    text += "; this client took over " + seconds(now - holder.taken_over_since) + " ago";
+    text += "; " + program + " took over " + seconds(now - holder.taken_over_since) + " ago";
   }
   text += holder.releasing ? "; it is released, but the last commands under it still run"
-                           : "; this client loses it if it stays silent for " +
+                           : "; " + program + " loses the status if it stays silent for " +
                                  seconds(holder.expires - now) + " more";
   return text;
 }

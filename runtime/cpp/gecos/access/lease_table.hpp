@@ -36,7 +36,7 @@ struct Holder {
   TimePoint taken_over_since{};  ///< used while `taken_over`
 };
 /// Returns a text such as "actor status is held by ada on lab1 (grip_block, pid 4711) for 3.2 s;
-/// this client loses it if it stays silent for 0.4 s more".
+/// the program of ada loses the status if it stays silent for 0.4 s more".
 std::string describe(const Holder& holder, TimePoint now);
 
 /// A granted status. Commands issued under it contain its epoch.

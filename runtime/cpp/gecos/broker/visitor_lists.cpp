@@ -52,7 +52,7 @@ bool VisitorLists::set(const Entry& what, const std::optional<session::ProvedUse
       what.name,
       {std::move(server),
        admitted->number,
-       {admitted->users, admitted->hosts, "Server::allow in the program of " + what.name}},
+       {admitted->users, admitted->hosts, "the list in the program of " + what.name}},
       revision);
 }
 

@@ -135,12 +135,16 @@ def _may_connect(
         raise UsageFailure(str(error)) from None
     if who in (of, ("root", server.host)):
         return found  # whatever the lists say
-    list_of_program = "a list in the program of the server (`users` of serve, `Server::allow`)"
+    list_of_program = (
+        "a list in the program of the server (`allow`, or `users` and `hosts` of `serve`)"
+    )
     if not _has_list(text, name):
         found.program = (
-            f"{list_of_program} may admit the user all the same, because the file has no list for "
-            f"{name}"
+            f"{list_of_program} may admit the user all the same, because no lab file has a list "
+            f"for {name}"
         )
+        if path is None:
+            found.program += "; servers that have read a file before it was removed keep its lists"
     elif found.allowed:
         found.program = f"{list_of_program} must admit the user, too, if there is one"
     return found

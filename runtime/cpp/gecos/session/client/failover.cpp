@@ -20,6 +20,11 @@ constexpr Duration between_searches = std::chrono::milliseconds(30);
 /// searches for other servers.
 constexpr Duration longest_look = std::chrono::milliseconds(250);
 
+/// Programs in all languages show this text. In Python, a Lab without a variable ends at once.
+constexpr const char* no_lab =
+    "the command is not sent again: its Lab is closed or no longer exists; keep the Lab in a "
+    "variable as long as its proxies are used";
+
 void end_as(PendingFailover& pending, const std::string& more) {
   pending.failure.text += "; " + more;
   pending.command->fail(std::move(pending.failure));
@@ -63,7 +68,7 @@ void Failover::take(const std::shared_ptr<ClientConnection>& from,
     return;
   }
   std::vector<PendingFailover> refused;
-  std::string why = "the command is not sent again: its Lab is closed";
+  std::string why = no_lab;
   {
     const MutexLock lock(mutex_);
     if (ended_) {
@@ -269,7 +274,7 @@ void Failover::end() {
   }
   for (Search& search : open) {
     for (PendingFailover& pending : search.commands)
-      end_as(pending, "the command is not sent again: its Lab is closed");
+      end_as(pending, no_lab);
   }
 }
 

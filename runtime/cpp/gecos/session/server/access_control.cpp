@@ -75,8 +75,9 @@ std::string AccessControl::zone_of(const std::string& object) {
 
 void AccessControl::allow(std::vector<std::string> users, std::vector<std::string> hosts) {
   const MutexLock lock(mutex_);
-  policy_.program = access::AllowList{std::move(users), std::move(hosts),
-                                      "Server::allow in the program of the server"};
+  policy_.program = access::AllowList{
+      std::move(users), std::move(hosts),
+      "the list in the program of the server (`allow`, or `users` and `hosts` of `serve`)"};
 }
 
 access::AllowList AccessControl::named_by_program(const std::string& object) {
@@ -166,7 +167,10 @@ AccessControl::Judgement AccessControl::judge_registration(const std::string& na
       return refused("the file system of the lab file does not answer: " + file_.path());
     }
     if (const auto error = file_.found().error) {
-      return refused("the lab file has an error; correct it: " + to_string(*error));
+      return refused(
+          "the lab file has an error; correct it, or write an empty file to take all its lists "
+          "back: " +
+          to_string(*error));
     }
     const auto proved = who.user.empty() ? std::nullopt : std::optional(who);
     const MutexLock lock(mutex_);

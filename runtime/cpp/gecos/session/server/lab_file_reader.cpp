@@ -31,7 +31,8 @@ void LabFileReader::Shared::read() {
   const auto new_error = text ? file.take(*text) : std::nullopt;
   if (new_error && file.known()) {
     log_error("session", to_string(*new_error) +
-                             "; the last lists without an error stay in force; correct the file");
+                             "; the last lists without an error stay in force; correct the file, "
+                             "or write an empty one to take all its lists back");
   }
   Found now{std::make_shared<const access::LabAccess>(file.lists()), file.known(), file.error(),
             !text.has_value()};
