@@ -91,6 +91,20 @@ def test_programs_are_given_the_file_if_it_says_who_may_connect(
         assert up.finish() == 0, str(up)
 
 
+def test_lists_that_are_added_later_are_told_of_once(lab: Laboratory, tmp_path: Path) -> None:
+    file = tmp_path / "lab.toml"
+    program = '[programs.A]\nrun = ["sleep", "1000"]\nready = ""\n'
+    file.write_text(program)
+    up = lab.start(*GECOS, "up", file, ready="A is ready; Ctrl-C ends them")
+    file.write_text(f'{program}[objects.LDS.allow]\nuser = ["anna"]\n')  # with an error
+    file.write_text(f'{program}[objects.LDS.allow]\nusers = ["anna"]\n')
+    told = f"up: {file} has lists of users or objects now, which the running programs do not read"
+    up.wait_for(told)
+    up.signal(signal.SIGINT)
+    assert up.finish() == 0, str(up)
+    assert up.output().count(told) == 1
+
+
 def test_the_pause_before_a_restart_delays_nothing_else(lab: Laboratory, tmp_path: Path) -> None:
     file = tmp_path / "lab.toml"
     file.write_text(

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # SIGHUP: a terminal was closed
 
+_LOOK_AT_FILE = 2.0  # s between two looks at the file of the laboratory
+
 
 @click.command()
 @click.argument("file", required=False, type=click.Path(path_type=Path, dir_okay=False))
@@ -50,13 +52,14 @@ def up(
     Without FILE, lab.toml in the current folder is used if there is one. Ctrl-C ends all programs,
     the last one first; a second Ctrl-C kills those that have not ended yet.
     """
-    from gecos.laboratory import Event, What, running
+    from gecos.laboratory import Event, UnreadLists, What, running
 
     laboratory = _described(file)
     if clock_speed is not None:
         laboratory = replace(laboratory, clock_speed=clock_speed)
     tell = _OneLine().tell if as_json else _show
     signals = _Signals()
+    unread = UnreadLists(laboratory)
 
     def report(event: Event) -> None:
         if event.event is What.CLOSING:
@@ -69,7 +72,10 @@ def up(
             verb = "is" if len(laboratory.programs) == 1 else "are"
             clock = _about_clock(laboratory.clock_speed)
             report(Event(What.ALL_READY, f"{names} {verb} ready; {clock}Ctrl-C ends them"))
-            started.watch()
+            while True:
+                started.watch(_LOOK_AT_FILE)
+                if told := unread.appeared():
+                    report(Event(What.UNREAD_LISTS, told))
     except KeyboardInterrupt:
         if signals.insisted:
             raise

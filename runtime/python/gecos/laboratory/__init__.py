@@ -9,6 +9,7 @@ from gecos.laboratory.description import (
 )
 from gecos.laboratory.events import Event, What, say, show
 from gecos.laboratory.running import LaboratoryError, running
+from gecos.laboratory.unread_lists import UnreadLists
 
 __all__ = [
     "Event",
@@ -16,6 +17,7 @@ __all__ = [
     "LaboratoryError",
     "LaboratoryFileError",
     "Program",
+    "UnreadLists",
     "What",
     "read_laboratory",
     "running",

@@ -17,6 +17,7 @@ class What(StrEnum):
     NOT_STARTED = "not_started"  # a program cannot be started again now
     NOT_READY = "not_ready"  # a program that was started again does not become ready
     KILLED = "killed"  # a program did not end when it was asked to
+    UNREAD_LISTS = "unread_lists"  # its file has lists now, which the programs do not read
     ALL_READY = "all_ready"  # the laboratory is ready
     CLOSING = "closing"  # all programs are being ended, the last one first
 

@@ -1,0 +1,48 @@
+"""Notices that lists of users were added to a `lab.toml` that the running programs do not read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gecos.laboratory.description import (
+    LaboratoryDescription,
+    LaboratoryFileError,
+    read_laboratory,
+)
+
+
+class UnreadLists:
+    """Watches the file of a laboratory whose programs were started without this file, because it
+    had no lists. Programs are not given a file without lists, because they would read it in place
+    of the lab file of the host and miss its lists and zones, and because servers refuse a file that
+    a group may write."""
+
+    def __init__(self, laboratory: LaboratoryDescription) -> None:
+        watched = bool(laboratory.file) and not laboratory.names_users
+        self._file = Path(laboratory.file).resolve() if watched else None
+        self._shown = laboratory.file
+        self._seen = self._state()
+
+    def appeared(self) -> str:
+        """Returns what to tell when lists have appeared in the file; once, and else "". A file
+        with an error counts when it is corrected."""
+        if self._file is None or (state := self._state()) == self._seen:
+            return ""
+        self._seen = state
+        try:
+            if not read_laboratory(self._file).names_users:
+                return ""
+        except LaboratoryFileError:
+            return ""
+        self._file = None
+        return (
+            f"{self._shown} has lists of users or objects now, which the running programs do not "
+            "read, because it had none when they were started; end this command and start it again"
+        )
+
+    def _state(self) -> tuple[int, int] | None:
+        try:
+            found = None if self._file is None else self._file.stat()
+        except OSError:
+            return None
+        return None if found is None else (found.st_mtime_ns, found.st_size)
