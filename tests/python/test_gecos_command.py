@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import sys
@@ -259,6 +260,38 @@ def test_break_takes_the_status_away_and_says_who_and_why(
     assert gecos.holders(held).result() == []
 
 
+def test_break_of_a_free_object_says_that_nobody_held_it(
+    server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "break", "LAMP", "--why", "to be sure") == 0
+    assert capsys.readouterr().out == "LAMP: nobody held its status\n"
+
+
+def test_break_takes_master_status_away_too(
+    lamp: Lamp, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with contextlib.suppress(gecos.ConnectionFailed), gecos.master(lamp):
+        assert run(monkeypatch, "break", "LAMP", "--why", "nobody is here") == 0
+    assert capsys.readouterr().out == "LAMP: nobody holds its status any more\n"
+
+
+def test_the_broker_can_be_described_and_stopped_as_an_object(
+    lab: gecos.Lab, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for verb, told in {
+        "describe": "gecos::Broker",
+        "holders": "BROKER: nobody holds actor or master status\n",
+        "stats": "BROKER: served for ",
+        "stop": "BROKER: stopped\n",
+    }.items():
+        assert run(monkeypatch, verb, "BROKER") == 0
+        assert told in capsys.readouterr().out
+    assert run(monkeypatch, "stop", "--all") == 0
+    assert capsys.readouterr().out == "nothing was stopped\n"
+    assert run(monkeypatch, "break", "BROKER", "--why", "to be sure") == 0
+    assert capsys.readouterr().out == "BROKER: nobody held its status\n"
+
+
 def test_an_unknown_name_names_those_that_are_online(
     server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -275,6 +308,15 @@ def test_wrong_usage_exits_with_2(
 ) -> None:
     assert run(monkeypatch, *words) == 2
     assert "Usage" in capsys.readouterr().err
+
+
+def test_a_misspelt_command_is_told_the_right_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "list") == 2
+    assert "No such command 'list'; did you mean ls?" in capsys.readouterr().err
+    assert run(monkeypatch, "explode") == 2
+    assert "did you mean" not in capsys.readouterr().err
 
 
 def test_help_exits_with_0(

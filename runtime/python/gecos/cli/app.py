@@ -56,6 +56,11 @@ class Verbs(click.Group):
 
     def get_command(self, context: click.Context, name: str) -> click.Command | None:
         if name not in _VERBS:
+            from difflib import get_close_matches
+
+            near = get_close_matches(name, _VERBS, n=1)
+            if near:
+                context.fail(f"No such command '{name}'; did you mean {near[0]}?")
             return None
         module, _, function = _VERBS[name].rpartition(".")
         verb: click.Command = getattr(import_module(f"gecos.cli.{module}"), function)

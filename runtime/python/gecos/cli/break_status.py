@@ -22,14 +22,16 @@ def break_status(name: str, why: str, broker: str | None, as_json: bool) -> None
     from gecos_idl.object_types import StatusRefused
 
     import gecos
-    from gecos.dynamic_client.connect import find
+    from gecos.cli.find import find
 
     with gecos.Lab(broker) as lab:
+        robot = find(lab, name)
+        held = bool(gecos.holders(robot).result())
         try:
-            gecos.break_status(find(lab, name), why).result()
+            gecos.break_status(robot, why).result()
         except StatusRefused as refused:
             raise gecos.CommandFailed(gecos.Detail.DENIED, refused.reason) from None
     if as_json:
-        print_json({"broken": name})
+        print_json({"broken": name, "was_held": held})
     else:
-        print(f"{name}: nobody holds its status any more")
+        print(f"{name}: nobody {'holds its status any more' if held else 'held its status'}")

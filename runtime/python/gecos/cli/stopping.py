@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import gecos
+from gecos.cli.find import BROKER, find
 from gecos.dynamic_client.connect import (
     connect_to,
     entries,
@@ -77,6 +78,8 @@ def _not_reached(name: str, silent: dict[str, str]) -> Exception:
 
 
 def _failure(lab: gecos.Lab, name: str, online: dict[str, Entry]) -> Exception | None:
+    if name == BROKER:
+        return _failure_of(lambda: find(lab, name))
     if name not in online:
         return not_online(name, list(online))
     return _failure_of(lambda: connect_to(lab, online[name]))
