@@ -164,6 +164,21 @@ def test_each_change_of_the_holders_is_shown(
         assert all(valid(line, "watch") for line in out.splitlines()[:-1])
 
 
+@pytest.mark.parametrize("form", ["--json", None])
+def test_a_count_of_a_watch_of_the_holders_is_of_changes(
+    form: str | None,
+    lamp: Lamp,
+    server: gecos.Server,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with gecos.actor(lamp):
+        changing_meanwhile(lamp, monkeypatch)
+        assert run(monkeypatch, "watch", "LAMP", "--count", "1", *[form] * bool(form)) == 0
+    out = capsys.readouterr().out
+    assert ("TAKEN_OVER" if form else "has taken over") in out
+
+
 def changing_meanwhile(lamp: Lamp, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Lets `lamp` take over and give back between the first and second question of the command
     about the roster, and presses Ctrl-C before the third."""

@@ -335,7 +335,11 @@ def _next_look(end: float | None) -> float:
 @click.command()
 @name_argument
 @watched_argument
-@click.option("--count", type=click.IntRange(min=1), help="End after this number of values.")
+@click.option(
+    "--count",
+    type=click.IntRange(min=1),
+    help="End after this number of values or, without ATTRIBUTE, of changes.",
+)
 @click.option(
     "--every",
     type=Number(0.01),
@@ -393,14 +397,16 @@ def _watch_holders(
     from gecos.dynamic_client.connect import find
 
     with gecos.Lab(broker) as lab:
-        for number, told in enumerate(rosters(find(lab, name), timeout), 1):
+        changes = 0
+        for number, told in enumerate(rosters(find(lab, name), timeout)):
             if as_json:
                 print_json(plain(told))
-            elif number == 1:
+            elif number == 0:
                 report.holders(name, told.holders)
             for change in [] if as_json else told.changes:
                 report.roster_change(change)
-            if number == count:
+            changes += len(told.changes)
+            if count is not None and changes >= count:  # several changes may come at once
                 return
 
 
