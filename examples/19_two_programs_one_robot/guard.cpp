@@ -1,5 +1,9 @@
 // Watches the distance sensor on the flange of a robot that another program moves. When something
 // is closer than 200 mm, takes over, retreats by 100 mm, and gives the robot back.
+//
+// To mount the sensor there:
+//
+//   gecos call LDS mount '{"carrier": "RX90", "offset": {"orientation": {"w": 1}}}'
 
 #include <chrono>
 #include <cmath>

@@ -1,5 +1,9 @@
 """Watches the distance sensor on the flange of a robot that another program moves. When something
 is closer than 200 mm, takes over, retreats by 100 mm, and gives the robot back.
+
+To mount the sensor there:
+
+    gecos call LDS mount '{"carrier": "RX90", "offset": {"orientation": {"w": 1}}}'
 """
 
 import sys
@@ -31,5 +35,5 @@ def main(password: str) -> None:
 if __name__ == "__main__":
     try:
         main(sys.argv[1] if len(sys.argv) > 1 else "")
-    except gecos.LeaseRefused as refused:
-        sys.exit(str(refused))
+    except (gecos.LeaseRefused, gecos.CommandFailed, ConnectionError) as failed:
+        sys.exit(str(failed))

@@ -20,4 +20,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except (gecos.CommandFailed, ConnectionError) as failed:  # no CELL, or who may not report
+        sys.exit(str(failed))

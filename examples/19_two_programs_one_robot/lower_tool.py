@@ -36,5 +36,5 @@ def main(password: str) -> None:
 if __name__ == "__main__":
     try:
         main(sys.argv[1] if len(sys.argv) > 1 else "")
-    except (gecos.LeaseRefused, gecos.CommandFailed) as failed:
+    except (gecos.LeaseRefused, gecos.CommandFailed, ConnectionError) as failed:
         sys.exit(str(failed))

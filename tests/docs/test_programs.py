@@ -66,7 +66,7 @@ def test_the_python_is_well_typed(generated: Path, tmp_path: Path) -> None:
         kind = "OvenServant" if re.search(r"gecos\.(Server|serve)\(", block) else "Oven"
         head = (
             f"def piece_{at}(oven: {kind}, robot: Manipulator, goal: Frame, "
-            "camera: CameraServant) -> None:\n"
+            "camera: CameraServant, lab: gecos.Lab) -> None:\n"
         )
         functions.append(head + indent(block, "    "))
     check_python(PYTHON_BEFORE + "\n".join(functions), generated, tmp_path)

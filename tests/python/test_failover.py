@@ -87,3 +87,15 @@ def test_when_nobody_comes_it_ends_with_grace(lab: gecos.Lab) -> None:
             label.result()
         assert label.progress().detail is gecos.Detail.SERVER_CRASHED
         assert time.monotonic() - killed < GRACE_S + 0.5
+
+
+def test_a_proxy_whose_lab_is_gone_works_but_looks_for_no_other_server(lab: gecos.Lab) -> None:
+    with running(MUTE.replace("        threading", "        return 'a lamp'\n#")) as first:
+        assert says(first) == "serving LAMP\n"
+        lamp = gecos.Lab().create(Lamp, "LAMP", medium="shm")
+        assert lamp.label().result() == "a lamp"
+        assert says(first) == "asked\n"
+        first.kill()
+        first.wait()
+        with pytest.raises(gecos.ConnectionFailed, match="keep the Lab in a variable"):
+            lamp.label().result()

@@ -55,6 +55,15 @@ def test_policy_decides_for_a_server_of_this_user_or_another(file: Path, run: Ru
     assert (code, len(out.splitlines())) == (0, 1)
 
 
+def test_a_broker_of_root_admits_servers_of_the_user_gecos_only_if_its_file_names_them(
+    file: Path, run: Run
+) -> None:
+    words = ("policy", "test", "gecos", HOST, "BROKER", "--server-user", "root")
+    assert run(*words)[0] == 5
+    file.write_text('[allow]\nusers = ["gecos", "anna"]\n')
+    assert run(*words)[0] == 0
+
+
 def test_policy_says_that_it_assumes_a_server_of_the_caller(file: Path, run: Run) -> None:
     code, out, _ = run("policy", "test", ME, HOST, "RX90")
     assert code == 0

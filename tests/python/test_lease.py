@@ -196,6 +196,25 @@ def test_a_holder_denies_a_request_with_its_reason(held: Lamp, other: Lamp) -> N
     assert len(refused.value.holders) == 1
 
 
+def test_a_holder_that_denied_a_request_asks_again_for_newer_ones(held: Lamp, other: Lamp) -> None:
+    with ThreadPoolExecutor() as pool:
+        first = pool.submit(gecos.actor, other, timeout=30)
+        (request,) = gecos.requests(held, timeout=None).result()
+        newer = gecos.requests(held, request.id, timeout=None)
+        (again,) = gecos.requests(held, timeout=None).result()
+        assert again.id == request.id, "with 0 it is told of what still waits"
+        assert newer.state is gecos.State.RUNNING
+        gecos.deny(held, request.id, "hot").result()
+        with pytest.raises(gecos.LeaseRefused):
+            first.result()
+        second = pool.submit(gecos.actor, other, timeout=30)
+        (asked,) = newer.result()
+        assert asked.id > request.id
+        gecos.deny(held, asked.id).result()
+        with pytest.raises(gecos.LeaseRefused):
+            second.result()
+
+
 def test_holders_lists_who_has_status(held: Lamp, other: Lamp) -> None:
     (holder,) = gecos.holders(other).result()
     assert holder.status.name == "ACTOR"

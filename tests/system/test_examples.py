@@ -23,6 +23,7 @@ PRESENCE_ENDS_S = 0.25
 """Promised: from the loss of presence until the commands end."""
 SLACK = 5
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+README = (EXAMPLES / "README.md").read_text(encoding="utf-8")
 
 
 def read_distance(lab: Laboratory, language: str, role: str) -> list[str | Path]:
@@ -290,8 +291,11 @@ def test_a_guard_takes_over_retreats_and_gives_back(
     devices = lab.build / "devices"
     lab.start(devices / "world" / "robcl-world", ready="ready")
     lab.start(devices / "rx90" / "robcl-rx90", ready="ready")
-    on_flange = ["--carrier", "RX90", "--x", "0", "--y", "0", "--z", "0", "--b", "0"]
-    lab.start(devices / "laser_distance_sensor" / "robcl-lds", *on_flange, ready="ready")
+    lab.start(devices / "laser_distance_sensor" / "robcl-lds", ready="ready")
+    mount = re.search(r"^gecos call LDS mount '(.*)'$", README, re.MULTILINE)
+    assert mount is not None
+    mounted = lab.run(*GECOS, "call", "LDS", "mount", mount[1])
+    assert mounted.finish() == 0, str(mounted)
     mover_command = example(lab, "19_two_programs_one_robot", "lower_tool", movers)
     guard_command = example(lab, "19_two_programs_one_robot", "guard", guards)
 
@@ -362,6 +366,26 @@ def test_the_arm_stands_when_the_button_of_a_person_is_released(
     presence.wait_for('"present": false')
     roster.wait_for(f"pid {mover.pid}) has actor status")
     assert roster.wait_for(f"pid {mover.pid}) ended after").endswith(": released")
+
+
+@LANGUAGES
+def test_a_button_without_a_zone_or_owner_ends_with_one_line(
+    language: str, lab_with_broker: Laboratory, tmp_path: Path
+) -> None:
+    lab = lab_with_broker
+    button = example(lab, "19_two_programs_one_robot", "hold_button", language)
+    (line,) = ended_with_one_line(lab.run(*button))
+    assert line.startswith("CELL: NO_SERVER: ")
+    (tmp_path / "lab.toml").write_text('[objects.CELL.sources]\nBUTTON = "door@gate"\n')
+    lab.env["GECOS_LAB_FILE"] = str(tmp_path / "lab.toml")
+    lab.start(lab.build / "devices/zone/robcl-zone", "--buttons", "BUTTON", ready="ready")
+    (line,) = ended_with_one_line(lab.run(*button))
+    assert "DENIED" in line and "binds this source to user door of host gate" in line
+
+
+def ended_with_one_line(program: Program) -> list[str]:
+    assert program.finish() == 1, str(program)
+    return program.output().splitlines()
 
 
 @LANGUAGES
