@@ -57,11 +57,18 @@ def test_gecos_ls_of_a_visitor_shows_what_programs_in_python_admit_the_user_to(
         program = TREE / "tests" / "system" / "programs" / "visitor.py"
         broker = build / "runtime" / "cpp" / "gecos" / "broker" / "gecos-broker"
         ran = _run(environment, sys.executable, program, TREE / "tests" / "python", broker)
-    listed, named, refused, other = ran.splitlines()
+    listed, named, refused, allowed, other, denied = ran.splitlines()
     assert listed == "root: LAMP OTHER"
     assert named == "daemon: LAMP: a lamp"
     assert refused.startswith("daemon: DENIED: 'stop' of BROKER was not started: user daemon of ")
     assert "BROKER refuses user bin of host" in other
+    # The file says no to both, and the object yes to one.
+    assert allowed.startswith("daemon: 0: denied: LAMP refuses user daemon of host")
+    assert "the server of LAMP runs as user root of host" in allowed
+    assert allowed.endswith("asked: a program of user daemon reaches LAMP now")
+    assert denied.startswith("bin: 5: ")
+    assert "asked: a program of user bin is refused at LAMP now: " in denied
+    assert "BROKER refuses user bin of host" in denied
 
 
 def test_a_server_in_python_names_who_is_admitted() -> None:

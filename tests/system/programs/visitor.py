@@ -3,14 +3,22 @@ alone. The users `daemon` and `bin` look for objects, as `gecos ls` does. The ar
 folder of the module `lamp`, and the program of the broker. The children are forked here, because
 another user may not be able to read the tree."""
 
+import contextlib
+import io
 import os
 import pwd
+import socket
 import subprocess
 import sys
+import tomllib  # noqa: F401
 from collections.abc import Callable
 
 import gecos
+
+# Imported here, because a child may not be able to read the modules.
+from gecos.cli import app, find, policy, policy_asked, report  # noqa: F401
 from gecos.cli.presence import presences
+from gecos.dynamic_client import connect  # noqa: F401
 from gecos_idl.broker import Broker
 
 sys.path.insert(0, sys.argv[1])
@@ -39,6 +47,16 @@ def stop_the_broker() -> str:
     return "stopped"
 
 
+def policy_tested() -> str:
+    """Returns what `gecos policy test` says to a user about this user, and its exit code."""
+    user = pwd.getpwuid(os.geteuid()).pw_name
+    os.environ["GECOS_BROKER"] = "shm"
+    sys.argv = ["gecos", "policy", "test", user, socket.gethostname(), "LAMP"]
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        code = app.run()
+    return f"{int(code)}: {' / '.join(said.getvalue().splitlines())}"
+
+
 def program_of(user: str, *tasks: Callable[[], str]) -> tuple[int, int]:
     """Returns the process of a program of `user`, and a pipe that lets it go on."""
     entry = pwd.getpwnam(user)
@@ -55,7 +73,10 @@ def program_of(user: str, *tasks: Callable[[], str]) -> tuple[int, int]:
     os._exit(0)
 
 
-programs = [program_of("daemon", look, stop_the_broker), program_of("bin", look)]
+programs = [
+    program_of("daemon", look, stop_the_broker, policy_tested),
+    program_of("bin", look, policy_tested),
+]
 with subprocess.Popen([sys.argv[2], "shm"], stdout=subprocess.PIPE, text=True) as broker:
     assert broker.stdout is not None
     broker.stdout.readline()

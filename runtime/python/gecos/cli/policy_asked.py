@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 _MOMENT = 1.0  # s for which the broker is asked; the lab file is read without it, too
 
+_AT_BROKER = "the broker refuses this program: "
+"""With this begins the reason where the broker refuses this program, whose detail is NO_SERVER."""
+
 
 @dataclass(frozen=True, slots=True)
 class ServerUser:
@@ -57,7 +60,11 @@ def answer(lab: gecos.Lab, name: str) -> Answer | None:
     try:
         find(lab, name)
     except CreateError as error:
-        refusals = [each.reason for each in error.attempts if each.detail is Detail.REFUSED]
+        refusals = [
+            each.reason
+            for each in error.attempts
+            if each.detail is Detail.REFUSED or each.reason.startswith(_AT_BROKER)
+        ]
         return Answer(False, refusals[0]) if refusals else None
     except (ConnectionError, RuntimeError):
         return None
