@@ -226,10 +226,11 @@ TEST_F(LeaseTableTest, ASilentHolderOfASharedStatusIsToldThatItLostItsShare) {
   const auto denied = table.may_queue(kAda, epoch, Status::Actor, now + 500ms);
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().reason, Denial::Reason::LeaseEnded);
-  EXPECT_EQ(denied.error().text,
-            "was issued under a status that has ended: its holder was silent for 0.5 s; actor "
-            "status is held by bob on lab2 (watch, pid 4712) for 0.5 s; the program of bob loses the "
-            "status if it stays silent for 0.4 s more; call actor(object) of gecos to acquire it again");
+  EXPECT_EQ(
+      denied.error().text,
+      "was issued under a status that has ended: its holder was silent for 0.5 s; actor "
+      "status is held by bob on lab2 (watch, pid 4712) for 0.5 s; the program of bob loses the "
+      "status if it stays silent for 0.4 s more; call actor(object) of gecos to acquire it again");
   EXPECT_EQ(table.may_queue(kAda, Epoch{}, Status::Actor, now).error().reason,
             Denial::Reason::NeedsStatus)
       << "what is issued under no status is denied";
@@ -423,7 +424,8 @@ TEST_F(TakeOverTest, ByASecondHolderIsRefusedWithTheNameOfTheTaker) {
       "take-over refused: bob on lab2 (watch, pid 4712) has taken over; wait until it gives back, "
       "or stop the object; actor status is held by "))
       << refused.error().text;
-  EXPECT_NE(refused.error().text.find("; the program of bob took over 0.1 s ago; "), std::string::npos);
+  EXPECT_NE(refused.error().text.find("; the program of bob took over 0.1 s ago; "),
+            std::string::npos);
   const Epoch before = table.epoch();
   EXPECT_TRUE(table.take_over(kBob, now)) << "the taker has it already";
   EXPECT_EQ(table.epoch(), before);

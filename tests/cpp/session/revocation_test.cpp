@@ -192,7 +192,8 @@ TEST_F(Revocations, OfAUserWhomNoListNamesAnyMoreEndSessionAndStreamsWithinASeco
   pass_in_ticks(judged_within);
   EXPECT_EQ(told_to_ben(),
             ": revoked: PROBE refuses user ben of host desk: the list in the program of the server "
-            "(`allow`, or `users` and `hosts` of `serve`) does not name user ben; add \"ben\" to its users");
+            "(`allow`, or `users` and `hosts` of `serve`) does not name user ben; add \"ben\" to "
+            "its users");
   EXPECT_TRUE(bens_->stream_left);
   EXPECT_EQ(moves_, 1) << "the samples have left the memory, or the key, that ben has";
   expect_that_anna_goes_on();

@@ -310,9 +310,10 @@ TEST_F(Visitors, AListOfTheBrokersOwnProgramKeepsItsMeaning) {
   laboratory.broker.server.allow({"bin"});
   EXPECT_EQ(tell(bin, "use"), "read 7");
   const std::string refused = tell(daemon, "look");
-  EXPECT_NE(refused.find("the list in the program of the server (`allow`, or `users` and `hosts` of "
-                         "`serve`) does not name user daemon"),
-            std::string::npos)
+  EXPECT_NE(
+      refused.find("the list in the program of the server (`allow`, or `users` and `hosts` of "
+                   "`serve`) does not name user daemon"),
+      std::string::npos)
       << refused;
 }
 

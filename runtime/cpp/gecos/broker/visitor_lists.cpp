@@ -48,12 +48,11 @@ bool VisitorLists::set(const Entry& what, const std::optional<session::ProvedUse
   access::ServerLife server{{what.user, what.hostname}, what.boot, !user, user ? user->key : ""};
   access::VisitorBook& book = visitors_->book;
   if (!admitted) return book.drop_other(what.name, server);
-  return book.set(
-      what.name,
-      {std::move(server),
-       admitted->number,
-       {admitted->users, admitted->hosts, "the list in the program of " + what.name}},
-      revision);
+  return book.set(what.name,
+                  {std::move(server),
+                   admitted->number,
+                   {admitted->users, admitted->hosts, "the list in the program of " + what.name}},
+                  revision);
 }
 
 }  // namespace gecos::broker

@@ -273,8 +273,7 @@ void Failover::end() {
     open.swap(searches_);
   }
   for (Search& search : open) {
-    for (PendingFailover& pending : search.commands)
-      end_as(pending, no_lab);
+    for (PendingFailover& pending : search.commands) end_as(pending, no_lab);
   }
 }
 
