@@ -110,6 +110,7 @@ def settled(text: str, *folders: Path) -> str:
         text,
     )
     text = text.replace(f"of {getpass.getuser()} on <host>", "of <user> on <host>")
+    text = text.replace(f"the program of {getpass.getuser()} loses", "the program of <user> loses")
     text = as_python_311_says(text)
     return "\n".join(line.rstrip() for line in text.strip("\n").splitlines())
 
