@@ -80,7 +80,8 @@ def cell(machines: dict[str, Machine], hosts: Hosts, place: Path) -> Iterator[Ma
     env |= {"PYTHONUSERBASE": str(place / "base"), "PATH": f"{place}/bin:{system}"}
     also = {"/opt": place / "opt", "/etc": place / "etc", "/run": place / "run"}
     also["/var/lib"] = place / "lib"
-    bare = without_tree(place / "borrowed", also, ("unshare", "-m"))
+    alone = ("unshare", "-mu", "sh", "-euc", 'hostname cell; exec "$@"', "sh")
+    bare = without_tree(place / "borrowed", also, alone)
     machines["cell"] = machine = Machine(env, place / "cell", (*hosts.on(0), *bare))
     with subprocess.Popen(
         [*machine.within, "python3", manager],

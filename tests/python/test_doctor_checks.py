@@ -31,7 +31,7 @@ NO_ROUTE = (
     "ip link set lo multicast on && ip route add 239.255.76.67/32 dev lo))"
 )
 
-
+US = "ben@desk"
 HERE = BrokerPlace()
 BY_VARIABLE = BrokerPlace("lcm", "GECOS_BROKER")
 BY_FILE = BrokerPlace("lcm", "[broker] in /etc/gecos/lab.toml:4")
@@ -255,29 +255,57 @@ def test_a_misspelt_setting_is_told_the_right_one() -> None:
 
 def test_no_broker_says_where_it_was_looked_for() -> None:
     reason = "no broker answers; start `gecos broker` (tried shm:/tmp/gecos-0/BROKER.sock: nobody)"
-    found = broker(Answer(reason), HERE)
+    found = broker(Answer(reason), HERE, US)
     said(found, Level.ERROR, "shm:/tmp/gecos-0/BROKER.sock: nobody", "this host", "gecos broker")
-    named = broker(Answer(reason), BY_VARIABLE)
+    named = broker(Answer(reason), BY_VARIABLE, US)
     said(named, Level.ERROR, "GECOS_BROKER=lcm")
-    named = broker(Answer(reason), BY_FILE)
+    named = broker(Answer(reason), BY_FILE, US)
     said(named, Level.ERROR, "address lcm, [broker] in /etc/gecos/lab.toml:4")
 
 
 def test_a_key_that_is_not_admitted_is_no_missing_broker() -> None:
     refused = "(tried lcm: we refused the server: its key 92e3bf70 is not admitted here)"
-    assert broker(Answer(refused), BY_VARIABLE).mend.startswith("gecos keys add FILE, with")
+    mend = broker(Answer(refused), BY_VARIABLE, US).mend
+    assert mend.startswith("gecos keys add FILE USER@HOST, with"), "no key without an owner"
     perhaps = "(tried lcm: no server answers, or the server does not admit our key c1075034)"
-    mend = broker(Answer(perhaps), BY_VARIABLE).mend
+    mend = broker(Answer(perhaps), BY_VARIABLE, US).mend
     assert mend.startswith("run gecos broker on the host")
-    assert "gecos keys add FILE there" in mend
+    assert "its user runs gecos keys add FILE ben@desk, with" in mend
+
+
+@pytest.mark.parametrize(
+    ("because", "mend"),
+    [
+        (
+            '[allow] in /etc/gecos/lab.toml:1 does not name user ben; add "ben" to its users',
+            'ask the user of the broker to add "ben" to its users in /etc/gecos/lab.toml',
+        ),
+        (
+            'it admits only user root of host cell; write users = ["ben"] below [allow] in a.toml',
+            'ask the user of the broker to write users = ["ben"] below [allow] in a.toml',
+        ),
+        (
+            "the user of the broker has revoked this user",
+            "ask the user of the broker to admit this user",
+        ),
+    ],
+)
+def test_a_user_whom_the_broker_refuses_is_not_told_to_start_another_one(
+    because: str, mend: str
+) -> None:
+    refusal = f"shm:/run/BROKER.sock: BROKER refuses user ben of host cell: {because}"
+    answer = Answer(f"the broker refuses this program: {refusal} (request 1a-2b-3)")
+    found = broker(answer, HERE, US)
+    said(found, Level.ERROR, f"the broker refuses this user: {refusal}", "this host")
+    assert found.mend == mend
 
 
 def test_a_broker_of_another_version_and_a_second_one_are_warnings() -> None:
     old = Answer(None, 7, "process 4711", ours=False)
-    said(broker(old, HERE), Level.WARNING, "process 4711", "another version")
+    said(broker(old, HERE, US), Level.WARNING, "process 4711", "another version")
     ours = Answer(None, 8, "process 4712")
-    said(broker(ours, HERE), Level.OK, "process 4712 answers", "this host")
-    said(broker(ours, BY_FILE), Level.OK, "address lcm, [broker] in /etc/gecos/lab.toml:4")
+    said(broker(ours, HERE, US), Level.OK, "process 4712 answers", "this host")
+    said(broker(ours, BY_FILE, US), Level.OK, "address lcm, [broker] in /etc/gecos/lab.toml:4")
     said(one_broker([old, ours]), Level.WARNING, "process 4711", "process 4712")
     assert one_broker([ours, ours]) is None
     assert one_broker([ours, Answer("no broker answers")]) is None
@@ -292,9 +320,9 @@ def test_a_broker_that_is_not_served_over_lcm() -> None:
 
 def test_a_place_of_the_broker_that_is_no_address() -> None:
     reason = Answer("'cell' is not an address")
-    found = broker(reason, BrokerPlace("cell", "GECOS_BROKER"))
+    found = broker(reason, BrokerPlace("cell", "GECOS_BROKER"), US)
     said(found, Level.ERROR, "'cell' is not an address", "export GECOS_BROKER=lcm")
-    found = broker(reason, BrokerPlace("cell", "[broker] in lab.toml:4"))
+    found = broker(reason, BrokerPlace("cell", "[broker] in lab.toml:4"), US)
     said(found, Level.ERROR, 'write address = "lcm" at [broker] in lab.toml:4')
 
 

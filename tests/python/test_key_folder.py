@@ -72,6 +72,20 @@ def test_an_added_key_is_admitted_and_a_removed_one_is_not(
     assert not list(folder.glob(".new*"))
 
 
+def test_a_key_without_an_owner_is_told_to_be_past_all_lists(
+    folder: Path, received: Path, run: Run
+) -> None:
+    code, out, _ = run("keys", "add", str(received))
+    assert code == 0
+    assert "this key has no owner: it is admitted to everything of yours" in out
+    assert f"gecos keys add {folder / KEY}.public USER@HOST" in out
+    _, out, _ = run("keys", "add", str(received), "bob@desk")
+    assert "no owner" not in out
+    assert "bob@desk is admitted to the objects whose lists name it" in out
+    _, out, _ = run("keys", "add", str(received))
+    assert "bob@desk is admitted to the objects" in out, "the key keeps its owner"
+
+
 @pytest.mark.parametrize(
     ("change", "why"),
     [
@@ -106,7 +120,7 @@ def test_a_damaged_or_open_file_of_the_folder_is_told(
     assert "is cut short: copy it again, or remove it" in damaged
     assert "is open to other users: run `chmod 600` on it" in is_open
     assert "bob.public: the name of this file is not a key of 64 hex digits" in no_key
-    assert f"run `gecos keys add {folder}" in no_key
+    assert f"run `gecos keys add {folder / 'bob.public'} USER@HOST`" in no_key
 
 
 def test_a_folder_that_others_can_read_is_refused(folder: Path, run: Run) -> None:

@@ -58,7 +58,9 @@ struct CreateOptions {
   Duration patience = std::chrono::seconds(2);
   /// The time for which `create` keeps trying while one of the named objects is not online, or
   /// while no broker answers. Duration::max(): without limit. `create` does not wait for an object
-  /// of the wrong type.
+  /// of the wrong type, nor if the server of the object refuses this program. It does wait while
+  /// the broker refuses this program, because the server of an object that starts may admit it; the
+  /// failure is then the refusal.
   Duration wait{};
   /// Required incarnation of the server process, as in an ObjectRef; 0: any.
   std::uint64_t incarnation = 0;

@@ -89,14 +89,16 @@ def _judged(file: Path) -> Admitted:
     key = file.name.removesuffix(_SUFFIX)
     if _KEY.fullmatch(key):
         problem = _core.key_problem(key)
-        return Admitted(key, file, problem, _owner_of(key))
-    mend = f"run `gecos keys add {file}`, and remove it"
+        return Admitted(key, file, problem, owner_of(key))
+    mend = f"run `gecos keys add {file} USER@HOST`, and remove it"
     return Admitted(
         "", file, f"{file}: the name of this file is not a key of 64 hex digits: {mend}"
     )
 
 
-def _owner_of(key: str) -> str | None:
+def owner_of(key: str) -> str | None:
+    """Returns the owner of an admitted key, such as "anna@desk"; None if it has none that can be
+    read."""
     try:
         return _core.key_owner(key)
     except RuntimeError:  # `problem` has the reason
@@ -137,11 +139,12 @@ def add(file: Path, owner: str | None = None) -> str:
         if is_own_user(owner):
             raise KeyFolderError(
                 f"{owner} is admitted to everything on this host, so no list would limit this key: "
-                "after the @, name the host of the key's user"
+                "after the @, name the host of the key's user, or leave USER@HOST out for a key of "
+                "yours or of root"
             )
         _put(_owner_file(key), f"{owner}\n".encode())  # first: a list may limit this key
     _put(file_of(key), text)
-    _pardon(key, owner or _owner_of(key) or "")
+    _pardon(key, owner or owner_of(key) or "")
     return key
 
 

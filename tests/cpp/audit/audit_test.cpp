@@ -97,6 +97,65 @@ TEST(Repeats, LoseNothingWhenThereAreTooManyKindsOrTheClockIsSetBack) {
   EXPECT_EQ(repeats.due(10).size(), 1u);
 }
 
+/// The number of lines about an event that happens every `pause` for an hour.
+std::size_t lines_in_an_hour(std::int64_t pause) {
+  Repeats repeats;
+  const Repeats::Key refusal{1, 2, 3};
+  std::size_t lines = 0;
+  std::uint64_t told = 0;
+  std::uint64_t happened = 0;
+  for (std::int64_t now = 0; now < 3'600'000; now += 20) {
+    if (now % pause == 0 && !repeats.count(refusal, ++happened)) {
+      repeats.begin(refusal, command(happened, now), Repeats::Window::Growing);
+      ++lines;
+      ++told;
+    }
+    for (const Line& line : repeats.due(now)) {
+      ++lines;
+      told += line.count;
+    }
+  }
+  for (const Line& line : repeats.all()) told += line.count;
+  EXPECT_EQ(told, happened) << "each event is in one line";
+  return lines;
+}
+
+TEST(Repeats, InGrowingWindowsAddAboutALineAMinuteHoweverOftenTheEventHappens) {
+  EXPECT_LE(lines_in_an_hour(20), 1u + 6u + 60u);
+  EXPECT_LE(lines_in_an_hour(200), 1u + 6u + 60u);
+  EXPECT_LE(lines_in_an_hour(1100), 1u + 6u + 60u) << "an event that just misses the first window";
+  EXPECT_LE(lines_in_an_hour(50'000), 3600u / 50u + 1u) << "no more lines than events";
+}
+
+TEST(Repeats, InGrowingWindowsTellSoonOfTheFirstRepetitions) {
+  Repeats repeats;
+  repeats.begin({}, command(7), Repeats::Window::Growing);
+  EXPECT_TRUE(repeats.count({}, 8));
+  EXPECT_EQ(repeats.due(2000).size(), 1u);
+  EXPECT_TRUE(repeats.count({}, 9));
+  EXPECT_TRUE(repeats.due(3999).empty()) << "the next window is twice as long";
+  const auto due = repeats.due(4000);
+  ASSERT_EQ(due.size(), 1u);
+  EXPECT_EQ(due[0].request.counter, 9u);
+  EXPECT_EQ(due[0].last, 9u);
+  EXPECT_EQ(due[0].count, 1u);
+  EXPECT_TRUE(repeats.due(63'999).empty());
+  EXPECT_TRUE(repeats.count({}, 10)) << "it is kept for a minute";
+  EXPECT_EQ(repeats.due(64'000).size(), 1u);
+  EXPECT_TRUE(repeats.due(124'000).empty());
+  EXPECT_FALSE(repeats.count({}, 11)) << "after a minute without the event";
+}
+
+TEST(Repeats, InGrowingWindowsLoseNothingWhenTheClockIsSetBack) {
+  Repeats repeats;
+  repeats.begin({}, command(7, 5000), Repeats::Window::Growing);
+  EXPECT_TRUE(repeats.count({}, 8));
+  EXPECT_EQ(repeats.due(10).size(), 1u);
+  EXPECT_TRUE(repeats.count({}, 9));
+  EXPECT_TRUE(repeats.due(1009).empty());
+  EXPECT_EQ(repeats.due(2010).size(), 1u);
+}
+
 class JournalTest : public ::testing::Test {
  protected:
   std::string file(const std::string& name) const { return folder_ + "/" + name; }

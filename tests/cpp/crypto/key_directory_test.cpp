@@ -109,8 +109,10 @@ TEST_F(KeyDirectoryTest, APublicFileThatIsNotWhatItSaysAdmitsNobody) {
   const fs::path others = keys / (other.to_string() + ".public");
   const auto why = [&] { return directory.admission(other).error().text; };
   const std::string refused = "the key " + other.short_name() + " is not admitted here: ";
-  EXPECT_EQ(why(), refused + "to admit this key, copy the file " + others.filename().string() +
-                       " from the key directory of its user into " + keys.string());
+  const std::string file = others.filename().string();
+  EXPECT_EQ(why(), refused + "to admit this key into " + keys.string() + ", get the file " + file +
+                       " from its user and run `gecos keys add " + file +
+                       " USER@HOST` with the name of that user and of that user's host");
   write(others, right);
   EXPECT_EQ(why(),
             refused + others.string() +

@@ -1,10 +1,12 @@
 // Who is met over lcm: users and the keys that they admit.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 
+#include "gecos/base/user_and_host.hpp"
 #include "gecos/media/sealed/keys.hpp"
 #include "lcm_recorder.hpp"
 #include "media_under_test.hpp"
@@ -74,6 +76,9 @@ TEST_F(LcmUsers, AClientWhoseKeyIsNotAdmittedIsNotMetAndToldWhatToDo) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(acceptor->accept(), nullptr);
   const std::string text = trouble(*acceptor, *client, "the server does not admit our key");
   EXPECT_NE(text.find(options("bob").key_directory + "/"), std::string::npos) << text;
+  EXPECT_NE(text.find("gecos keys add FILE " + user_name(::geteuid()) + "@" + host_name() + "`"),
+            std::string::npos)
+      << "a key without an owner would be admitted past all lists: " << text;
   admit("bob", "ada");
   EXPECT_NE(wait_for_client(*acceptor, *client), nullptr)
       << "from now on, with the same connection";

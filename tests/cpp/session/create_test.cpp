@@ -99,26 +99,33 @@ TEST_F(Create, NamesBothTypesWhenTheObjectIsOfAnother) {
       "name another object");
 }
 
-TEST_F(Create, SaysThatTheServerIsOffline) {
+TEST_F(Create, SaysOfEachMediumWhyTheServerCannotBeReachedOverIt) {
   serve("PROBE", servant_);
   gecos::Entry entry = [&] {
     gecos::Entry dead;
     dead.name = "DEAD";
     dead.interface_name = "probe::Probe";
     dead.boot = gecos::number(gecos::session::process_incarnation());
-    dead.addresses = {"inproc:nowhere"};
+    dead.host = LabAccess::context(lab_).value()->runtime()->host_identity() + "0";
+    dead.user = "ben";
+    dead.addresses = {"inproc:nowhere", "shm:/run/gecos/gecos-1000/DEAD.12.1.sock"};
     return dead;
   }();
   auto broker =
       LabAccess::context(lab_).value()->broker(gecos::deadline_after(std::chrono::seconds(5)));
-  ASSERT_TRUE(broker) << broker.error();
+  ASSERT_TRUE(broker) << broker.error().text;
   ASSERT_TRUE(
       gecos::session::await_registered(*gecos::session::register_object(**broker, entry, {}),
                                        gecos::deadline_after(std::chrono::seconds(5))));
   const auto error = attempts({"DEAD"});
   ASSERT_EQ(error.attempts.size(), 1u);
   EXPECT_EQ(error.attempts[0].detail, Detail::NoServer);
-  EXPECT_EQ(error.attempts[0].reason.rfind("DEAD is offline (inproc:nowhere: ", 0), 0u) << error;
+  EXPECT_EQ(error.attempts[0].reason.rfind("DEAD cannot be reached (inproc:nowhere: ", 0), 0u)
+      << error;
+  EXPECT_NE(error.attempts[0].reason.find("; shm: its server runs as ben; programs of other users "
+                                          "reach only servers of root and of gecos over shm)"),
+            std::string::npos)
+      << error;
 }
 
 TEST_F(Create, FailsOverAMediumThatTheServerDoesNotOfferThoughOthersExist) {
@@ -171,6 +178,10 @@ TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
             "cannot be reached (shm: the object is on this host, but in another runtime directory "
             "(shm:/tmp/theirs/PROBE.12.1.sock): for shm, both programs must run as one user "
             "with the same GECOS_RUNTIME_DIR)");
+  entry.user = "ben";
+  EXPECT_EQ(why(),
+            "cannot be reached (shm: its server runs as ben; programs of other users reach only "
+            "servers of root and of gecos over shm)");
   entry.host = "0" + runtime.host_identity();
   EXPECT_EQ(why(), "cannot be reached (shm: the object is on another host (robots))");
 }

@@ -10,8 +10,11 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "../settles.hpp"
 #include "child.hpp"
 #include "gecos/base/user_and_host.hpp"
+#include "gecos/binding.hpp"
+#include "gecos/session/client/broker_client.hpp"
 #include "place.hpp"
 #include "probe.hpp"
 #include "shared_place.hpp"
@@ -68,6 +71,24 @@ std::string in_one_line(std::string text) {
   return text;
 }
 
+/// Serves OWN and OWN2 until it is told something. Says before what the server logged at its start.
+void serve_own(Child::Line& line) {
+  ::testing::internal::CaptureStderr();
+  gecos::Lab lab;
+  probe::ProbeServant one;
+  probe::ProbeServant other;
+  gecos::Server server{lab};
+  std::string logged;
+  for (const auto& [name, servant] : {std::pair("OWN", &one), std::pair("OWN2", &other)}) {
+    const auto added = server.add(name, *servant, {.media = {gecos::media::Kind::Shm}});
+    if (!added) logged += "not served: " + added.error().text;
+  }
+  logged += ::testing::internal::GetCapturedStderr();
+  line.say(in_one_line(logged));
+  line.hear();
+  line.say("ended");
+}
+
 /// A program of `user` that uses or holds PROBE each time it is told to.
 void program_of(const std::string& user, Child::Line& line) {
   // The edits of the lab file are about the servers: a client that reads it for the place of the
@@ -82,12 +103,19 @@ void program_of(const std::string& user, Child::Line& line) {
   line.say("ready");
   for (;;) {
     const std::string told = line.hear();
+    if (told == "serve") {
+      serve_own(line);
+      continue;
+    }
     if (told == "hold") {
       line.say(in_one_line(held_until_the_end(line)));
       continue;
     }
     gecos::Lab lab;
-    const auto created = lab.create<probe::Probe>("PROBE", {.patience = std::chrono::seconds(10)});
+    const auto created = lab.create<probe::Probe>(
+        told == "reach" ? "OWN" : "PROBE",
+        {.patience = std::chrono::seconds(10),
+         .wait = told == "wait" ? std::chrono::milliseconds(300) : std::chrono::milliseconds(0)});
     line.say(in_one_line(told == "command" ? commanded(created) : used(created)));
   }
 }
@@ -208,6 +236,15 @@ TEST_F(TwoUsersOfOneHost, NobodyElseIsAdmittedByDefault) {
       << refused;
 }
 
+TEST_F(TwoUsersOfOneHost, AWaitThatTheBrokerRefusesGoesOnAndEndsWithTheRefusal) {
+  const Laboratory laboratory;
+  const auto begun = std::chrono::steady_clock::now();
+  daemon.line().say("wait");
+  const std::string refused = daemon.line().hear();
+  EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(300));
+  EXPECT_EQ(refused.find("PROBE: NO_SERVER: the broker refuses this program: shm:"), 0u) << refused;
+}
+
 TEST_F(TwoUsersOfOneHost, AnEditOfTheLabFileActsOnTheNextConnection) {
   place.write("[objects.PROBE.allow]\nusers = [\"daemon\"]\n[allow]\nusers = [\"bin\"]\n");
   const Laboratory laboratory;
@@ -274,6 +311,53 @@ TEST_F(TwoUsersOfOneHost, ABrokenEditChangesNothingAndIsReportedOnceWithItsLine)
   }
   EXPECT_EQ(reports, 2u) << "the broker and the server of PROBE report it once each:\n" << logged;
   EXPECT_NE(logged.find("or write an empty one to take all its lists back"), std::string::npos);
+}
+
+TEST_F(TwoUsersOfOneHost, AServerOfAUserWhomNoOtherReachesOverShmSaysSoOnceAndItsClientsAreTold) {
+  place.write("[objects.BROKER.allow]\nusers = [\"*\"]\n");
+  const Laboratory laboratory;
+  daemon.line().say("serve");
+  const std::string logged = daemon.line().hear();
+  const std::string warning =
+      "this server runs as daemon, and its broker as another user: programs of other users reach "
+      "its objects only over lcm, with an admitted key; over shm they reach only servers of root "
+      "and of gecos";
+  EXPECT_NE(logged.find(warning), std::string::npos) << logged;
+  EXPECT_EQ(logged.find(warning), logged.rfind(warning)) << logged;
+  bin.line().say("reach");
+  const std::string failed = bin.line().hear();
+  EXPECT_NE(failed.find("OWN cannot be reached (shm: its server runs as daemon; programs of other "
+                        "users reach only servers of root and of gecos over shm)"),
+            std::string::npos)
+      << failed;
+  daemon.line().say("end");
+  EXPECT_EQ(daemon.line().hear(), "ended");
+}
+
+TEST_F(TwoUsersOfOneHost, AServerWhoseUserIsAdmittedAgainIsRegisteredAgain) {
+  const std::string admitted = "[objects.BROKER.allow]\nusers = [\"daemon\"]\n";
+  place.write(admitted);
+  Laboratory laboratory;
+  daemon.line().say("serve");
+  ASSERT_EQ(daemon.line().hear().find("not served"), std::string::npos);
+  const auto registered = [&] {
+    return gecos::session::look_up(**gecos::session::LabAccess::context(laboratory.lab), "OWN",
+                                   gecos::deadline_after(std::chrono::seconds(10)))
+        .has_value();
+  };
+  ASSERT_TRUE(registered());
+  place.edit("[objects.BROKER.allow]\nusers = []\n");
+  const auto refused = [&] {
+    std::ifstream file(place.audit() + "/audit.jsonl");
+    const std::string told(std::istreambuf_iterator<char>(file), {});
+    return told.find("\"event\":\"refused\",\"object\":\"BROKER\"") != std::string::npos;
+  };
+  EXPECT_TRUE(settles(refused));
+  EXPECT_TRUE(settles([&] { return !registered(); }));
+  place.edit(admitted);
+  EXPECT_TRUE(settles(registered)) << "it asks again after 2 s at the latest";
+  daemon.line().say("end");
+  EXPECT_EQ(daemon.line().hear(), "ended");
 }
 
 TEST_F(TwoUsersOfOneHost, TheFolderOfTheServerIsOpenAndTheirsAreNot) {

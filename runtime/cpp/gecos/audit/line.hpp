@@ -11,7 +11,8 @@
 namespace gecos::audit {
 
 /// The number of one request, as in CommandId: a call, or a connection that was refused. A refused
-/// connection has no session, so `session` is 0 and `counter` counts the refusals of the process.
+/// connection has no session: `session` is a number for its user, its object and the reason, and
+/// `counter` counts the refusals of the process.
 struct RequestId {
   std::uint64_t incarnation = 0;  ///< of the server's process
   std::uint64_t session = 0;

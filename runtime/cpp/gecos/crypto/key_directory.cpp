@@ -226,8 +226,9 @@ tl::expected<void, KeyError> KeyDirectory::admission(const PublicKey& key) const
   const auto found = read_file(path_ + "/" + name, KeyFileKind::PublicKey);
   if (!found) return refused(found.error().text, found.error().passing);
   if (!*found) {
-    return refused("to admit this key, copy the file " + name +
-                   " from the key directory of its user into " + path_);
+    return refused("to admit this key into " + path_ + ", get the file " + name +
+                   " from its user and run `gecos keys add " + name +
+                   " USER@HOST` with the name of that user and of that user's host");
   }
   if (PublicKey::of((*found)->bytes()) == key) {
     if (const auto named = owner(key); !named) {

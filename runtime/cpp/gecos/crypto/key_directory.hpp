@@ -37,7 +37,9 @@ struct KeyOwner {
 ///
 /// Only the user may access the directory (mode 0700) and its files (mode 0600); other users may
 /// read a .public file. A user who has the same home directory on several hosts has one key. To let
-/// two users connect, copy the .public file of each user into the key directory of the other user.
+/// two users connect, each of them adds the .public file of the other one, with its owner, by
+/// `gecos keys add FILE USER@HOST`. A key without a .owner file counts as another key of this user,
+/// whom no list limits.
 class KeyDirectory {
  public:
   /// Returns the path of the user's key directory: $GECOS_KEY_DIR if that variable is set, else

@@ -65,6 +65,10 @@ std::string host_identity();
 /// directory must be open to all users.
 bool open_to_this_user(std::string_view identity);
 
+/// Returns whether programs of other users can reach the servers of this program over shm: it runs
+/// as root or as `gecos`, and its runtime directory is open to all users.
+bool open_to_other_users();
+
 /// Returns whether programs with these host identities can reach each other over shm, because they
 /// have one runtime directory.
 bool share_memory(std::string_view one, std::string_view other);

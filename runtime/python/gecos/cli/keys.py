@@ -80,7 +80,8 @@ def add(file: Path, owner: str | None, as_json: bool) -> None:
     """Admits the user to whom the given .public file belongs.
 
     USER@HOST is the owner of the key: the lists of a lab file and of Server.allow then decide to
-    which objects that user may connect. Without USER@HOST, the key counts as another key of yours.
+    which objects that user may connect. Without USER@HOST, the key counts as another key of yours,
+    which is admitted to everything: for your own keys on other machines alone.
     """
     from gecos import key_folder
 
@@ -95,8 +96,15 @@ def add(file: Path, owner: str | None, as_json: bool) -> None:
             f"admitted  {key_folder.fingerprint(key)}: compare this fingerprint with that "
             "user's own"
         )
-        if owner is not None:
-            print(f"{owner} is admitted to the objects whose lists name it: docs/security.md")
+        whose = key_folder.owner_of(key)
+        if whose is not None:
+            print(f"{whose} is admitted to the objects whose lists name it: docs/security.md")
+        else:
+            print(
+                "this key has no owner: it is admitted to everything of yours, whatever the lists "
+                "say; if it is the key of another user, run: "
+                f"gecos keys add {key_folder.file_of(key)} USER@HOST"
+            )
 
 
 def _known(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:

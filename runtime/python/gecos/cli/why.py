@@ -35,7 +35,8 @@ def why(request: str, folder: Path | None, as_json: bool) -> int:
     if not found:
         raise RuntimeError(
             f"the audit in {place} has no line about {request}: the server belongs to another "
-            "user or host (ask that user), or the line was removed with the oldest file"
+            "user or host (ask that user), or the line was removed with the oldest file, or it "
+            "was one of many equal refusals, whose line is written within a minute"
         )
     if as_json:
         print_json(found)

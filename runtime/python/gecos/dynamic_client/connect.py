@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from gecos.object_watch import ObjectWatch
 
 _ASK_ANYWAY = 1.0  # time in s after which a server that did not answer is asked again
+_LEAST_PATIENCE = 0.2  # in s, of the last attempt of a wait
 _MAY_PASS = {
     Detail.NO_SERVER,
     Detail.NOT_STARTED,
@@ -60,22 +61,31 @@ def find(
     lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.0, wait: float = 0.0
 ) -> Object:
     """Connects to the object called `name`, whatever its interface. The proxy has only the built-in
-    operations. While the object is not online or no broker answers, tries again for `wait` s.
-    Raises CreateError, which says since when the object is silent, proposes a similar name, or
-    lists the objects online. Raises CommandFailed or ConnectionFailed if the broker dies before it
-    has answered."""
+    operations. While the object is not online, no broker answers, or the broker refuses this
+    program, tries again for `wait` s: a server that starts may make this user a visitor of the
+    broker. Raises CreateError, which says since when the object is silent, proposes a similar name,
+    or lists the objects online. Raises CommandFailed or ConnectionFailed if the broker dies before
+    it has answered."""
     end = time.monotonic() + wait
+    given = patience
+    told: CreateError | CommandFailed | ConnectionFailed | None = None  # by the attempt before
     with contextlib.ExitStack() as opened:
         changes: ObjectWatch | None = None
         while True:
+            began = time.monotonic()
             try:
                 return _find_now(lab, name, medium, patience)
             except (CreateError, CommandFailed, ConnectionFailed) as error:
-                if time.monotonic() >= end or not _may_pass(error):
-                    raise
+                now = time.monotonic()
+                cut_short = patience < given and now >= began + patience
+                if told is None or not cut_short:
+                    told = error
+                if now >= end or not _may_pass(error):
+                    raise told from None
             changes = changes or opened.enter_context(lab.watch())
             _await_change(changes, name, min(end, time.monotonic() + _ASK_ANYWAY))
-            patience = min(patience, max(0.0, end - time.monotonic()))
+            left = end - time.monotonic()
+            patience = min(given, max(_LEAST_PATIENCE, left))
 
 
 def _find_now(lab: Lab, name: str, medium: str | None, patience: float) -> Object:

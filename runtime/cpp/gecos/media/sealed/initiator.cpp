@@ -1,7 +1,11 @@
 #include "gecos/media/sealed/initiator.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <utility>
+
+#include "gecos/base/user_and_host.hpp"
 
 namespace gecos::media {
 namespace {
@@ -98,14 +102,17 @@ void HandshakeInitiator::take_second(ByteView frame, TimePoint now) {
 }
 
 std::string HandshakeInitiator::trouble() const {
-  const MutexLock lock(mutex_);
-  if (open_) return queue_->heard() ? "" : "the server accepted us, but has sent no packet since";
-  if (!handshake_ && not_admitted_)
-    return "we refused the server that answered: " + not_admitted_->why;
+  {
+    const MutexLock lock(mutex_);
+    if (open_) return queue_->heard() ? "" : "the server accepted us, but has sent no packet since";
+    if (!handshake_ && not_admitted_)
+      return "we refused the server that answered: " + not_admitted_->why;
+  }
   return "no server answers, or the server does not admit our key " +
          keys_->own.public_key().short_name() +
-         "; in that case the user of the server needs a copy of " + keys_->directory.path() + "/" +
-         keys_->own.public_key().to_string() + ".public" + options_.network->advice();
+         "; in that case the user of the server gets a copy of " + keys_->directory.path() + "/" +
+         keys_->own.public_key().to_string() + ".public and runs `gecos keys add FILE " +
+         user_name(::geteuid()) + "@" + host_name() + "` with it" + options_.network->advice();
 }
 
 }  // namespace gecos::media

@@ -48,7 +48,7 @@ bool is_older(const CommandCore& asked) {
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name,
                                          TimePoint deadline) {
   const auto broker = lab.broker(deadline);
-  if (!broker) return tl::unexpected(broker.error());
+  if (!broker) return tl::unexpected(broker.error().text);
   const auto command = own_call(**broker, BrokerInterface::lookup, Broker_lookup_arguments{name});
   if (!command->wait_until(deadline))
     return tl::unexpected(std::string("the broker did not answer in time"));
@@ -80,7 +80,7 @@ std::optional<SilentObject> look_up_silent(Context& lab, const std::string& name
 tl::expected<std::vector<Entry>, std::string> query(Context& lab, const std::string& interface_name,
                                                     TimePoint deadline) {
   const auto broker = lab.broker(deadline);
-  if (!broker) return tl::unexpected(broker.error());
+  if (!broker) return tl::unexpected(broker.error().text);
   if (!interface_name.empty()) {
     const auto asked =
         own_call(**broker, BrokerInterface::query, Broker_query_arguments{interface_name});
@@ -101,7 +101,7 @@ tl::expected<std::vector<Entry>, std::string> query(Context& lab, const std::str
 tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevision& since,
                                                     TimePoint deadline) {
   const auto broker = lab.broker(deadline);
-  if (!broker) return tl::unexpected(broker.error());
+  if (!broker) return tl::unexpected(broker.error().text);
   const auto asked = own_call(**broker, BrokerInterface::changes, Broker_changes_arguments{since});
   auto found = answer<Broker_changes_result, ListChanges>(*asked, deadline);
   if (found || !is_older(*asked)) return found;

@@ -9,6 +9,7 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration longest_pause = std::chrono::milliseconds(160);
+constexpr Duration longest_pause_when_refused = std::chrono::seconds(1);
 constexpr Duration slice = std::chrono::milliseconds(100);  // in which a closed Lab is noticed
 constexpr Duration ask_anyway_after = std::chrono::seconds(1);
 constexpr Duration patience = std::chrono::seconds(2);
@@ -20,7 +21,8 @@ BrokerNews::Heard BrokerNews::subscribe(TimePoint deadline) {
   const auto found = lab_->broker(now() + patience);
   if (!found) {
     lab_->closed_by(std::min(deadline, now() + pause_));
-    pause_ = std::min(pause_ * 2, longest_pause);
+    pause_ =
+        std::min(pause_ * 2, found.error().refused ? longest_pause_when_refused : longest_pause);
     return Heard::Nothing;
   }
   broker_ = *found;

@@ -30,7 +30,9 @@ class BrokerNews {
   std::shared_ptr<StreamCore> revisions_;     ///< null when the broker publishes no changes
   RawSample sample_;
   static constexpr Duration shortest_pause = std::chrono::milliseconds(20);
-  Duration pause_ = shortest_pause;  ///< between two searches for a broker; grows to 160 ms
+  /// The pause between two searches for a broker. Grows to 160 ms, or to 1 s while a broker refuses
+  /// this program.
+  Duration pause_ = shortest_pause;
 };
 
 }  // namespace gecos::session

@@ -100,7 +100,7 @@ std::vector<std::string> Context::broker_addresses(const access::LabBroker& name
   return addresses;
 }
 
-tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(TimePoint deadline) {
+tl::expected<std::shared_ptr<ClientConnection>, NoBroker> Context::broker(TimePoint deadline) {
   MutexLock lock(mutex_);
   const auto settled = [this] {
     mutex_.assert_held();
@@ -108,8 +108,8 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(Tim
   };
   if (!looked_.wait_until(lock, deadline, settled)) {
     return tl::unexpected(
-        "no broker was found in time: another thread of this program is looking for one" +
-        (missing_.empty() ? std::string() : "; the last search failed: " + missing_));
+        NoBroker{"no broker was found in time: another thread of this program is looking for one" +
+                 (missing_.empty() ? std::string() : "; the last search failed: " + missing_)});
   }
   if (knows_broker()) return broker_;
   // The session with the lost broker is destroyed at the end of this function, while the mutex is
@@ -117,14 +117,14 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(Tim
   const auto lost = std::exchange(broker_, nullptr);
   looking_ = true;
   lock.unlock();
-  tl::expected<std::shared_ptr<ClientConnection>, std::string> found;
+  tl::expected<std::shared_ptr<ClientConnection>, NoBroker> found;
   try {
     found = look_for_broker(deadline);
   } catch (...) {
     note_broker(nullptr, {});
     throw;
   }
-  note_broker(found.value_or(nullptr), found ? std::string() : found.error());
+  note_broker(found.value_or(nullptr), found ? std::string() : found.error().text);
   return found;
 }
 
@@ -138,17 +138,17 @@ void Context::note_broker(std::shared_ptr<ClientConnection> found, std::string m
   looked_.notify_all();
 }
 
-tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_broker(
+tl::expected<std::shared_ptr<ClientConnection>, NoBroker> Context::look_for_broker(
     TimePoint deadline) {
   std::string tried;
   std::string refused;
   const auto named = named_broker(deadline);
-  if (!named) return tl::unexpected(named.error());
+  if (!named) return tl::unexpected(NoBroker{named.error()});
   const auto addresses = broker_addresses(*named, tried);
   for (const auto& address : addresses) {
     Detail why{};
     auto session = connect(*runtime_, address, BrokerInterface::description, deadline, &why);
-    if (session) return session;
+    if (session) return *std::move(session);
     if (why == Detail::Refused) append(refused, session.error());
     // Few programs contain their own broker. Therefore the message mentions such a broker only if
     // its address was named.
@@ -156,12 +156,14 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_b
                           why == Detail::NoServer && media::kind_of(address) == media::Kind::Inproc;
     if (!expected) append(tried, session.error());
   }
-  if (!refused.empty()) return tl::unexpected("the broker refuses this program: " + refused);
+  if (!refused.empty()) {
+    return tl::unexpected(NoBroker{"the broker refuses this program: " + refused, true});
+  }
   if (!named->place.empty()) append(tried, named->place + " names this address");
-  return tl::unexpected(
+  return tl::unexpected(NoBroker{
       "no broker answers; start `gecos up` (a laboratory on this machine) or `gecos broker`, or "
       "say where it is in GECOS_BROKER or below [broker] in the lab file" +
-      (tried.empty() ? std::string() : " (tried " + tried + ")"));
+      (tried.empty() ? std::string() : " (tried " + tried + ")")});
 }
 
 }  // namespace gecos::session

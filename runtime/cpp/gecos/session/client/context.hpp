@@ -14,6 +14,13 @@ namespace gecos::session {
 class ClientConnection;
 class Failover;
 
+/// Why there is no session with a broker.
+struct NoBroker {
+  std::string text;  ///< the addresses that were tried, and why each failed
+  /// A broker answers, but does not admit this program.
+  bool refused = false;
+};
+
 /// The part of a lab that its servers and clients share: the runtime, and the session with the
 /// broker. That session ends when this object is destroyed. Thread-safe.
 class Context : public std::enable_shared_from_this<Context> {
@@ -23,9 +30,8 @@ class Context : public std::enable_shared_from_this<Context> {
 
   const std::shared_ptr<Runtime>& runtime() const { return runtime_; }
   const std::shared_ptr<Failover>& failover() const { return failover_; }
-  /// Returns the session with this lab's broker, and opens it when there is none. On failure
-  /// returns a text with the addresses that were tried and why each failed.
-  tl::expected<std::shared_ptr<ClientConnection>, std::string> broker(TimePoint deadline);
+  /// Returns the session with this lab's broker, and opens it when there is none.
+  tl::expected<std::shared_ptr<ClientConnection>, NoBroker> broker(TimePoint deadline);
 
   /// Records `session`, the session of a proxy, so that `close` can end it. Returns false when
   /// `close` was called before.
@@ -44,7 +50,7 @@ class Context : public std::enable_shared_from_this<Context> {
   /// Returns the addresses at which the broker `named` may answer. If a medium is not available to
   /// this program, adds the reason to `tried`.
   std::vector<std::string> broker_addresses(const access::LabBroker& named, std::string& tried);
-  tl::expected<std::shared_ptr<ClientConnection>, std::string> look_for_broker(TimePoint deadline);
+  tl::expected<std::shared_ptr<ClientConnection>, NoBroker> look_for_broker(TimePoint deadline);
   /// Returns true when this lab has a session with a broker and the session is not lost.
   bool knows_broker() const GECOS_REQUIRES(mutex_);
   void note_broker(std::shared_ptr<ClientConnection> found, std::string missing);

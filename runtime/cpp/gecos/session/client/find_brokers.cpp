@@ -10,7 +10,7 @@ namespace gecos::session {
 
 tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const LabOrWhyNot& lab,
                                                                          TimePoint deadline) {
-  return (*lab)->broker(deadline);
+  return (*lab)->broker(deadline).map_error([](NoBroker why) { return std::move(why.text); });
 }
 
 tl::expected<std::shared_ptr<ClientSession>, std::string> session_at(const LabOrWhyNot& lab,

@@ -42,6 +42,7 @@ class ObjectConnector {
               std::optional<media::Kind> without = {}) const {
     Selection selection(*lab_.runtime(), entry_, demanded(), only, without);
     const std::vector<Route> routes = selection.best_first();
+    const std::string left_out = selection.left_out();
     Attempt failed{name_, Detail::NoServer, {}};
     bool unsuitable = routes.empty();
     for (Route route : routes) {
@@ -64,9 +65,8 @@ class ObjectConnector {
       return tl::unexpected(
           Attempt{name_, Detail::QosUnavailable, channel + " " + selection.why_none()});
     }
-    failed.reason = channel +
-                    (without ? " cannot be reached over another medium (" : " is offline (") +
-                    failed.reason + ")";
+    failed.reason = channel + " cannot be reached" + (without ? " over another medium (" : " (") +
+                    failed.reason + (left_out.empty() ? "" : "; " + left_out) + ")";
     return tl::unexpected(std::move(failed));
   }
 

@@ -1,7 +1,10 @@
 #include "gecos/session/client/select.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 
+#include "gecos/base/user_and_host.hpp"
 #include "gecos/media/kinds.hpp"
 
 namespace gecos::session {
@@ -36,6 +39,11 @@ std::string out_of_shared_memory(Runtime& runtime, const Entry& entry, media::Ki
     return "the object is on another host (" + entry.hostname + ")";
   }
   if (const auto opened = runtime.medium(kind); !opened) return opened.error().text;
+  const bool closed = entry.user != "root" && entry.user != "gecos";  // to other users
+  if (closed && !entry.user.empty() && entry.user != user_name(::geteuid())) {
+    return "its server runs as " + entry.user +
+           "; programs of other users reach only servers of root and of gecos over shm";
+  }
   return "the object is on this host, but in another runtime directory (" + address +
          "): for shm, both programs must run as one user with the same GECOS_RUNTIME_DIR";
 }
@@ -128,6 +136,8 @@ Selection::Selection(Runtime& runtime, const Entry& entry, const qos::Quality& d
       routes_.push_back({address, *std::move(line)});
     } else {
       pass_over(address, line.error());
+      if (kind && media::reach_of(*kind) == media::Reach::Process) continue;
+      left_out_ += (left_out_.empty() ? "" : "; ") + medium_of(address) + ": " + line.error();
     }
   }
 }

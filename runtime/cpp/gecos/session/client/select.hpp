@@ -58,6 +58,9 @@ class Selection {
   bool measured(const Route& route);
   /// Must be called when no session could be opened over `route`.
   void not_reached(const Route& route, const std::string& why);
+  /// Returns the media that can lead to another process and that are no routes, each with the
+  /// reason, for example "shm: the object is on another host (desk)".
+  const std::string& left_out() const { return left_out_; }
   /// Returns why no route is suitable: each medium with the terms that it violates.
   std::string why_none() const;
 
@@ -69,6 +72,7 @@ class Selection {
   const std::string offered_;    ///< the media that the server offers, "inproc, shm"
   std::vector<Route> routes_;    ///< that this program can reach
   std::string passed_over_;      ///< the other media, each with the reason
+  std::string left_out_;         ///< see left_out()
 };
 
 }  // namespace gecos::session

@@ -14,12 +14,20 @@ namespace gecos::session {
 /// The audit of the connections of all users except the user of the server: who was admitted or
 /// refused, and by which rule. At a broker, also the servers that were not allowed to register an
 /// object. Thread-safe.
+///
+/// A user can connect again and again, whether admitted or not. Therefore the refusals of one user
+/// at one object, for one reason, and the admissions of one visitor share lines, whatever the
+/// client does: about one a minute (audit::Repeats::Window::Growing).
 class ConnectionAudit {
  public:
-  explicit ConnectionAudit(std::shared_ptr<audit::Audit> audit) : audit_(std::move(audit)) {}
+  /// `now`: the time of the lines, as audit::now.
+  explicit ConnectionAudit(std::shared_ptr<audit::Audit> audit, std::int64_t (*now)() = audit::now)
+      : now_(now), audit_(std::move(audit)) {}
+  ~ConnectionAudit() { end(); }
+  ConnectionAudit(const ConnectionAudit&) = delete;
+  ConnectionAudit& operator=(const ConnectionAudit&) = delete;
 
-  /// Records the judgement about a client that connects to `object`. Repeated admissions of a
-  /// visitor within a second share a line. Returns the text for the
+  /// Records the judgement about a client that connects to `object`. Returns the text for the
   /// client: why it may not connect, with the number of this refusal. Returns an empty text if the
   /// client may connect.
   std::string judged(const std::string& object, const AccessControl::Judgement& judgement);
@@ -29,13 +37,21 @@ class ConnectionAudit {
                       const AccessControl::Judgement& judgement);
   /// Must be called periodically: writes the lines of refusals that were repeated.
   void on_tick();
+  /// Writes the lines of all repeated refusals that on_tick has not written yet.
+  void end();
 
  private:
-  /// Writes the line. Equal events of one user within the next second are only counted.
-  void add_or_count(audit::Line entry) GECOS_REQUIRES(mutex_);
+  /// The number of users, objects and reasons whose refusals are counted at the same time.
+  static constexpr std::size_t most_kinds = 1024;
 
+  audit::Line line_about(std::string_view event, const std::string& object,
+                         const AccessControl::Judgement& judgement) const;
+  /// Writes the line, or counts it if there was an equal one. `key`: of key_of(entry).
+  void add_or_count(const audit::Repeats::Key& key, audit::Line entry) GECOS_REQUIRES(mutex_);
+
+  std::int64_t (*const now_)();
   Mutex mutex_;
-  audit::Repeats repeats_ GECOS_GUARDED_BY(mutex_);
+  audit::Repeats repeats_ GECOS_GUARDED_BY(mutex_){most_kinds};
   std::uint64_t refusals_ GECOS_GUARDED_BY(mutex_) = 0;
   const std::shared_ptr<audit::Audit> audit_;
 };

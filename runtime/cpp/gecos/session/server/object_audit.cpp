@@ -66,7 +66,9 @@ void ObjectAudit::add_of_session(const ServerSession& session, audit::Line entry
   const access::UserAtHost* const visitor = session.visit.visitor();
   if (visitor == nullptr) return audit_->add(std::move(entry));
   const audit::Repeats::Key key = key_of_visitor(entry.event, *visitor);
-  if (!repeats_.count(key, 0)) begin(key, std::move(entry));
+  if (visitors_.count(key, 0)) return;
+  visitors_.begin(key, entry, audit::Repeats::Window::Growing);
+  audit_->add(std::move(entry));
 }
 
 void ObjectAudit::status(std::string_view event, const ServerSession& session,
@@ -127,7 +129,7 @@ void ObjectAudit::visitor_refused(const ServerSession& session, std::uint64_t co
                                   std::string_view operation, const Failure& failure,
                                   const std::string& because) {
   const audit::Repeats::Key key = key_of_visitor("command", *session.visit.visitor());
-  if (!audit_ || repeats_.count(key, counter)) return;
+  if (!audit_ || visitors_.count(key, counter)) return;
   audit::Line entry = line("command", session.caller(), counter);
   entry.outcome = to_string(failure.detail);
   audit::Line further = entry;
@@ -135,7 +137,7 @@ void ObjectAudit::visitor_refused(const ServerSession& session, std::uint64_t co
   entry.why = failure.text;
   further.operation = "several operations";
   further.why = because;
-  repeats_.begin(key, further);
+  visitors_.begin(key, further, audit::Repeats::Window::Growing);
   audit_->add(std::move(entry));
 }
 
@@ -156,13 +158,17 @@ void ObjectAudit::ended(const ServerCall& call, Detail detail, const std::string
 
 void ObjectAudit::on_tick() {
   if (!audit_) return;
-  for (audit::Line& repeated : repeats_.due(audit::now())) audit_->add(std::move(repeated));
+  for (audit::Repeats* const each : {&repeats_, &visitors_}) {
+    for (audit::Line& repeated : each->due(audit::now())) audit_->add(std::move(repeated));
+  }
   audit_->flush();
 }
 
 void ObjectAudit::end() {
   if (!audit_) return;
-  for (audit::Line& repeated : repeats_.all()) audit_->add(std::move(repeated));
+  for (audit::Repeats* const each : {&repeats_, &visitors_}) {
+    for (audit::Line& repeated : each->all()) audit_->add(std::move(repeated));
+  }
 }
 
 }  // namespace gecos::session

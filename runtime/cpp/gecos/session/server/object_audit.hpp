@@ -25,7 +25,8 @@ class ObjectAudit {
       : object_(std::move(object)), audit_(std::move(audit)) {}
   ~ObjectAudit() { end(); }
 
-  /// The beginnings, and the ends, of the sessions of one visitor within a second share a line.
+  /// The beginnings, and the ends, of the sessions of one visitor share lines, about one a minute
+  /// (audit::Repeats::Window::Growing).
   void connected(ServerSession& session);
   void disconnected(const ServerSession& session, std::string_view because);
 
@@ -44,9 +45,9 @@ class ObjectAudit {
   void refused(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                std::string_view operation, const Failure& failure);
   /// Records a call that was refused because its client is a visitor (access/visitors.hpp).
-  /// Such calls of one visitor within a second share a line, whatever their operations and
-  /// sessions. `because`: the part of the text of `failure` that is the same for each of these
-  /// calls. @pre the client of `session` is a visitor
+  /// Such calls of one visitor share lines like sessions, whatever their operations and sessions.
+  /// `because`: the part of the text of `failure` that is the same for each of these calls. @pre
+  /// the client of `session` is a visitor
   void visitor_refused(const ServerSession& session, std::uint64_t counter,
                        std::string_view operation, const Failure& failure,
                        const std::string& because);
@@ -72,6 +73,7 @@ class ObjectAudit {
   const std::string object_;
   const std::shared_ptr<audit::Audit> audit_;
   audit::Repeats repeats_;
+  audit::Repeats visitors_{1024};  ///< what visitors repeat
 };
 
 /// Returns the text that a refusal ends with, for example " (request 1a2b-3c4d-7)"; an empty text

@@ -27,7 +27,7 @@ constexpr Duration patience = std::chrono::seconds(2);
 /// The time for which the registrar's thread waits for a broker. Actor commands wait for the same
 /// time, and are then refused because no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
-constexpr Duration between_tries = std::chrono::milliseconds(200);
+constexpr Duration between_tries = AskPause::shortest;
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
 /// A missing broker is not reported before this time has passed, because server and broker are
 /// often started together.
@@ -67,9 +67,9 @@ Registrar::Registrar(std::shared_ptr<Context> lab, std::shared_ptr<BrokerContact
 tl::expected<void, std::string> Registrar::await_broker(TimePoint deadline) {
   for (;;) {
     const auto broker = lab_->broker(std::min(deadline, deadline_after(patience)));
-    note_broker(broker ? std::string() : broker.error());
+    note_broker(broker ? std::string() : broker.error().text);
     if (broker) return {};
-    if (!rest(between_tries, deadline)) return tl::unexpected(broker.error());
+    if (!rest(between_tries, deadline)) return tl::unexpected(broker.error().text);
   }
 }
 
@@ -123,10 +123,24 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
       registration, deadline_after(std::max(patience, object->setup().options.patience)));
   if (!enlisted) return tl::unexpected(entry.name + " is not served: " + enlisted.error());
   const MutexLock lock(mutex_);
+  note_reach(registration.entry);
   registrations_.push_back(std::move(registration));
   const bool admits_others = renew(registrations_.back());
   if (*enlisted > Duration::zero() || admits_others) ask_soon();
   return {};
+}
+
+/// A server that registers with the broker of another user is probably meant for that user, too.
+void Registrar::note_reach(const Entry& entry) {
+  if (noted_reach_ || !broker_ || media::open_to_other_users()) return;
+  const auto broker_user = broker_->connection().peer().uid;
+  if (!broker_user || *broker_user == ::geteuid() || !others_find(entry, *broker_)) return;
+  noted_reach_ = true;
+  log_warning("session",
+              "this server runs as " + entry.user +
+                  ", and its broker as another user: programs of other users reach its objects "
+                  "only over lcm, with an admitted key; over shm they reach only servers of root "
+                  "and of gecos");
 }
 
 /// Registers an object for the first time. Tries again when the broker is lost during the
@@ -140,7 +154,7 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
     const auto broker = find_broker(deadline);
     if (!broker) {
       if (rest(between_tries, deadline)) continue;
-      return tl::unexpected(broker.error());
+      return tl::unexpected(broker.error().text);
     }
     ObjectHost& object = *registration.object;
     contact_->renew(**broker, deadline);
@@ -254,7 +268,8 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
   }
   note_broker(answers.missing);
 
-  Duration rest = answers.missing.empty() ? Duration::max() : between_tries;
+  const Duration again = pause_.after(answers.refused ? Asked::Refused : Asked::NotRefused);
+  Duration rest = answers.missing.empty() ? Duration::max() : again;
   std::string unreported;
   std::string news;  // `unreported` without the number of each refusal
   for (std::size_t i = 0; i < registrations.size(); ++i) {
@@ -264,7 +279,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
       object.name_confirmation().held(questions[i]);
       continue;
     }
-    rest = std::min(rest, enlisted ? std::min(between_tries, *enlisted) : between_tries);
+    rest = std::min(rest, enlisted ? std::min(again, *enlisted) : again);
     if (enlisted) {
       object.name_confirmation().provisional();
     } else if (enlisted.error().taken) {
@@ -286,9 +301,10 @@ Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& regist
   Answers answers;
   const auto broker = find_broker(deadline);
   if (!broker) {
-    answers.missing = broker.error();
+    answers.missing = broker.error().text;
+    answers.refused = broker.error().refused;
     answers.of_each.assign(registrations.size(),
-                           tl::unexpected(NotRegistered{false, {}, true, broker.error()}));
+                           tl::unexpected(NotRegistered{false, {}, true, answers.missing}));
     return answers;
   }
   contact_->renew(**broker, deadline);
@@ -307,7 +323,7 @@ Duration Registrar::served_for(const Registration& registration) const {
 
 /// Once a broker was found, later searches use only its address: a broker at another address does
 /// not know which names the first broker has assigned.
-tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint deadline) {
+tl::expected<Registrar::Broker, NoBroker> Registrar::find_broker(TimePoint deadline) {
   std::string place;
   {
     const MutexLock lock(mutex_);
@@ -316,12 +332,19 @@ tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint de
   }
   auto found = lab_->broker(deadline);
   if (!place.empty() && (!found || (*found)->place() != place)) {
-    auto there = connect(*lab_->runtime(), place, BrokerInterface::description, deadline);
-    if (there || found) found = std::move(there);  // else the first text says what to do
+    Detail why{};
+    auto there = connect(*lab_->runtime(), place, BrokerInterface::description, deadline, &why);
+    if (there) {
+      found = *std::move(there);
+    } else {  // if both fail, the first text says what to do
+      const bool refused = why == Detail::Refused || (!found && found.error().refused);
+      found = tl::unexpected(
+          NoBroker{found ? std::move(there.error()) : std::move(found.error().text), refused});
+    }
   }
   if (!found) return found;
   const MutexLock lock(mutex_);
-  if (ended_) return tl::unexpected(std::string("the server has ended"));
+  if (ended_) return tl::unexpected(NoBroker{"the server has ended"});
   place_ = (*found)->place();
   broker_ = *found;
   return found;

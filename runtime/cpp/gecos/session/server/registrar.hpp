@@ -11,6 +11,7 @@
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/context.hpp"
 #include "gecos/session/server/access_control.hpp"
+#include "gecos/session/server/ask_pause.hpp"
 #include "gecos/session/server/broker_contact.hpp"
 
 namespace gecos::session {
@@ -59,8 +60,9 @@ class Registrar {
   void run();
   struct Answers {
     std::vector<tl::expected<Duration, NotRegistered>> of_each;
-    std::string missing;  ///< why no broker was found
-    bool lost = false;    ///< the session with the broker was lost during the query
+    std::string missing;   ///< why no broker was found
+    bool refused = false;  ///< a broker was found, but does not admit this server
+    bool lost = false;     ///< the session with the broker was lost during the query
   };
   /// Asks the broker about all names and passes the answers to the objects. Returns how long to
   /// wait before the broker is asked again; Duration::max() when the answers for all names are
@@ -70,11 +72,14 @@ class Registrar {
   /// Gives `registration` the names that the object admits now, at most as many as the broker
   /// takes. Gives them a new number and returns true if they differ from those that it had.
   bool renew(Registration& registration) const GECOS_REQUIRES(mutex_);
-  tl::expected<Broker, std::string> find_broker(TimePoint deadline);
+  tl::expected<Broker, NoBroker> find_broker(TimePoint deadline);
   void ask_soon() GECOS_REQUIRES(mutex_);
   Duration served_for(const Registration& registration) const;
   tl::expected<Duration, std::string> register_first(Registration& registration,
                                                      TimePoint deadline);
+  /// Logs a warning, once, if the broker is of another user, and programs of other users cannot
+  /// reach this server over shm.
+  void note_reach(const Entry& entry) GECOS_REQUIRES(mutex_);
   /// Logs a warning, once, when no broker has answered for a while. `missing`: why no broker
   /// answers; empty when a broker answers.
   void note_broker(const std::string& missing);
@@ -96,10 +101,12 @@ class Registrar {
   /// The address of the first broker; later brokers are expected at the same address.
   std::string place_ GECOS_GUARDED_BY(mutex_);
   std::optional<TimePoint> missing_since_ GECOS_GUARDED_BY(mutex_);
+  bool noted_reach_ GECOS_GUARDED_BY(mutex_) = false;
   bool reported_missing_ GECOS_GUARDED_BY(mutex_) = false;
   std::string reported_;  ///< the last warning that clients cannot find some objects, without the
                           ///< numbers of refusals; used by
                           ///< thread_ only
+  AskPause pause_;        ///< used by thread_ only
   bool wanted_ GECOS_GUARDED_BY(mutex_) = false;
   /// When `thread_` asks the broker again; TimePoint::max(): only when `wanted_` is set.
   TimePoint next_ GECOS_GUARDED_BY(mutex_) = TimePoint::max();

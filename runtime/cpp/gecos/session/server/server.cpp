@@ -203,6 +203,7 @@ Server::Core::~Core() {
   for (const auto& object : objects_) object->join();
   io_.end();
   for (const auto& object : objects_) object->streams().close();
+  connections_->end();
   audit_->end();  // others may keep it: a connection that is being closed, a call
 }
 

@@ -3,11 +3,18 @@ this program."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gecos.cli.doctor.finding import Finding, fine, warning, wrong
 
+_REFUSED = "the broker refuses this program: "  # gecos/session/client/context.cpp
+_REQUEST = re.compile(r" \(request [0-9a-f-]+\)")
+_ADVICE = re.compile(  # of gecos/access/access_policy.cpp
+    r"(?:\] in (?P<file>\S+):\d+ does not name \w+ \S+)?; "
+    r'(?P<what>add "[^"]+" to its \w+|write .+ below \[allow\] in \S+)'
+)
 _MEDIA = ("inproc", "lcm", "shm")  # an address begins with one of these words
 
 
@@ -49,12 +56,16 @@ def unusable_lab_file(problem: str, file: str) -> Finding:
     return wrong("broker", what, file, mend)
 
 
-def broker(answer: Answer, at: BrokerPlace) -> Finding:
-    """Checks the answer of the broker at the place where programs look for a broker."""
+def broker(answer: Answer, at: BrokerPlace, us: str) -> Finding:
+    """Checks the answer of the broker at the place where programs look for a broker. `us` is this
+    user and this host, as "anna@desk"."""
     place = str(at)
     if answer.reason is not None:
+        _, refused, refusal = answer.reason.partition(_REFUSED)
+        if refused:
+            return _refused(refusal, place)
         what = f"no broker answers: {_tried(answer.reason)}"
-        return wrong("broker", what, place, _mend(answer.reason, at))
+        return wrong("broker", what, place, _mend(answer.reason, at, us))
     if not answer.ours:
         what = f"the broker, {answer.process}, belongs to another version of robcl"
         mend = "end it, and start `gecos broker` of this installation"
@@ -91,9 +102,27 @@ def over_lcm(here: Answer, over_lcm: Answer) -> Finding | None:
     )
 
 
-def _mend(reason: str, at: BrokerPlace) -> str:
+def _refused(refusal: str, place: str) -> Finding:
+    """Returns the finding for a user whom a broker refuses. This user must not start another
+    broker: it would be another laboratory, without objects."""
+    text = _REQUEST.sub("", refusal)
+    advice = _ADVICE.search(text)
+    mend = "admit this user" if advice is None else advice["what"]
+    file = None if advice is None else advice["file"]
+    return wrong(
+        "broker",
+        f"the broker refuses this user: {text}",
+        place,
+        f"ask the user of the broker to {mend}" + (f" in {file}" if file else ""),
+    )
+
+
+def _mend(reason: str, at: BrokerPlace, us: str) -> str:
     if "is not admitted here" in reason:
-        return "gecos keys add FILE, with the .public file of the broker's user"
+        return (
+            "gecos keys add FILE USER@HOST, with the .public file of the broker's user, and the "
+            "name and host of that user"
+        )
     if not at.source:
         return "gecos broker (or gecos up, which also starts devices)"
     if at.address.partition(":")[0] not in _MEDIA:
@@ -103,8 +132,8 @@ def _mend(reason: str, at: BrokerPlace) -> str:
     mend = f"run gecos broker on the host, and as the user, that {at} names"
     if "does not admit our key" in reason:
         mend += (
-            "; if a broker already runs there, run gecos keys add FILE there, with the .public "
-            "file of this user"
+            f"; if a broker already runs there, its user runs gecos keys add FILE {us}, with the "
+            ".public file of this user"
         )
     return mend
 

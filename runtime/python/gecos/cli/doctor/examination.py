@@ -97,7 +97,7 @@ def _of_brokers() -> Iterator[Finding]:
     if unusable:
         yield unusable_lab_file(unusable, str(named_file()))
     else:
-        yield broker(answers[0], place)
+        yield broker(answers[0], place, readings.this_user())
     several = one_broker(answers)
     if several is not None:
         yield several

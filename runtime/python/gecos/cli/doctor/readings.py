@@ -65,6 +65,13 @@ def ask_broker(place: str | None) -> Answer:
         return Answer(str(error))
 
 
+def this_user() -> str:
+    """Returns this user and this host as lists of a lab file name them, as "anna@desk"."""
+    from gecos import key_folder
+
+    return f"{key_folder.this_user()}@{socket.gethostname()}"
+
+
 def broker_place() -> BrokerPlace:
     """Returns where programs of this user look for the broker. Raises RuntimeError if the lab file
     cannot be used, and may name the broker."""
