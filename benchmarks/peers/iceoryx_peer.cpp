@@ -210,7 +210,9 @@ void serve_images(char* program) {
   if (::fork() != 0) be_roudi(program);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   start_runtime("server");
-  popo::Publisher<Image> publisher(camera_service);
+  popo::PublisherOptions options;
+  options.historyCapacity = 1;  // as ours: the newest image stays for whoever asks later
+  popo::Publisher<Image> publisher(camera_service, options);
   say_ready("iceoryx");
   for (images::Camera camera;;) {
     camera.begin();

@@ -31,7 +31,7 @@ def test_ours_and_the_limits_answer_in_every_setting(build: Path) -> None:
     done = bench_peers(build, "--smoke", "--without", "all")
     assert done.returncode == 0, done.stderr
     tables = [line for line in done.stdout.splitlines() if line.startswith(("|--", "|:-"))]
-    assert len(tables) == 1 + 21, done.stdout  # the bars, and a table of each setting
+    assert len(tables) == 1 + 22, done.stdout  # the bars, and a table of each setting
     assert done.stdout.count("**ours**, 64 idle clients") >= 2
     assert done.stdout.count("| **ours**, three readers |") == 1
     assert "**not measured**" in done.stdout  # nobody was there to compare with
