@@ -160,7 +160,9 @@ class LendingCamera final : public bench::CameraServant {
       camera.begin();
       auto loan = lend_picture({}, images::size);
       if (!loan) throw std::runtime_error("no memory for an image");
-      camera.write_and_send(loan.octets().data(), [&] { loan.publish(); });
+      camera.write_and_send(loan.octets().data(), [&] {
+        if (!loan.publish()) throw std::runtime_error("an image was not sent");
+      });
     }
   }
 

@@ -29,7 +29,8 @@ void images(Reader& reader, Seconds how_long) {
   std::uint64_t number = 0;
   std::size_t lost = 0;
   const std::int64_t asked = now();
-  for (const auto end = Clock::now() + how_long; readable.empty() || Clock::now() < end;) {
+  const auto end = Clock::now() + how_long;
+  while (readable.empty() ? lost < 10 : Clock::now() < end) {
     const std::uint8_t* const octets = reader.next();
     const std::int64_t arrived = now();
     Stamps stamps;

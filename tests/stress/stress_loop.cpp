@@ -16,10 +16,12 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
 #include <string>
+#include <system_error>
 
 #include "devices/support/real_time.hpp"
 #include "gecos/gecos.hpp"
@@ -57,8 +59,9 @@ void sleep_until(Clock::time_point when) {
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(since);
   const timespec at{static_cast<time_t>(seconds.count()),
                     static_cast<long>(std::chrono::nanoseconds(since - seconds).count())};
-  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) != 0) {
-  }
+  int error = EINTR;
+  while (error == EINTR) error = ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
+  if (error != 0) throw std::system_error(error, std::generic_category(), "clock_nanosleep");
 }
 
 /// When each cycle is due. A cycle that was due before the previous one had begun is passed over.
@@ -99,14 +102,15 @@ class Device final : public stress::LoopServant {
     Cycles waits;
     Histogram answered;
     std::int64_t missed = 0;
-    for (std::int64_t cycle = 0; cycle < count;) {
+    std::int64_t cycle = 0;
+    while (cycle < count) {
       due_ = in_ns(waits.due());
       publish_tick({.number = ++number_, .due = due_});
       const auto passed = waits.wait();
       missed += passed + (take_answer(answered) ? 0 : 1);
       cycle += 1 + passed;
     }
-    print(count, missed, waits, answered);
+    print(cycle, missed, waits, answered);
   }
 
   gecos::Result<stress::Tick> tick() override {
@@ -131,12 +135,13 @@ class Device final : public stress::LoopServant {
 void run_bare(std::int64_t count) {
   Cycles waits;
   std::int64_t missed = 0;
-  for (std::int64_t cycle = 0; cycle < count;) {
+  std::int64_t cycle = 0;
+  while (cycle < count) {
     const auto passed = waits.wait();
     missed += passed;
     cycle += 1 + passed;
   }
-  print(count, missed, waits, {});
+  print(cycle, missed, waits, {});
 }
 
 template <class What>

@@ -37,7 +37,7 @@ TEST(Names, OfAdmittedUsersAndHostsAreShortAndHarmless) {
     for (const auto& admitted :
          {AdmittedNames{1, {"anna", name}, {}}, AdmittedNames{1, {}, {"cell", name}}}) {
       EXPECT_EQ(why_not_listed(object_named("RX90"), admitted),
-                "of the users and hosts whom the server of RX90 admits, a name " +
+                "the list of users and hosts that the server of RX90 admits has a name that " +
                     std::string(fault) + "; correct the list in its program or in its lab file");
     }
   }

@@ -318,6 +318,18 @@ TEST(ObjectQueue, ReadersTakeTurns) {
   EXPECT_TRUE(queue.idle());
 }
 
+TEST(ObjectQueue, AReaderThatMustWaitKeepsItsTurn) {
+  ObjectQueue queue(LaneThreads::Many);
+  const auto waits = entry(reads, ada);
+  ASSERT_TRUE(queue.push(waits));
+  const auto first = entry(reads, bob), second = entry(reads, bob);
+  ASSERT_TRUE(queue.push(first));
+  ASSERT_TRUE(queue.push(second));
+  EXPECT_EQ(queue.next([](const QueueEntry& which) { return which.client != ada; }), first);
+  EXPECT_EQ(queue.next(), waits);
+  EXPECT_EQ(queue.next(), second);
+}
+
 TEST(ObjectQueue, ActorCommandsKeepTheirOrderBehindOneThatMustWait) {
   ObjectQueue queue(LaneThreads::Many);
   const auto waits = entry(moves, ada);

@@ -265,6 +265,9 @@ TEST_F(NamedInALabFile, ANameThatTheFileRepeatsIsToldOnce) {
   limited_server_.allow({"*"});
   serve_limited();
   EXPECT_EQ(broker_.admitted(), "users: anna ben");
+  edit(R"(users = ["max", "max", "ben", "cemil", "zoe", "cem", "ben"])");
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "users: max ben cemil zoe cem"; }))
+      << broker_.admitted();
 }
 
 TEST_F(Named, NamesThatTheBrokerRefusesAreRefused) {

@@ -28,7 +28,8 @@ inline constexpr std::string_view everyone = "*";
 /// The longest name of a user or of a host in a list, in bytes.
 inline constexpr std::size_t longest_name = 256;
 
-/// Returns why a list cannot have `name`, to be read after "a name "; an empty text if it can.
+/// Returns why a list cannot have `name`, to be read after "a name "; an empty text if it can. @pre
+/// `name` is UTF-8
 std::string_view fault_of_name(std::string_view name);
 
 /// The users and hosts that may connect to a server, in addition to the user and the host of the

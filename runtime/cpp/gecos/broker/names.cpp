@@ -19,8 +19,9 @@ std::string why_not_listed(const Entry& what, const std::optional<AdmittedNames>
     for (const auto& name : *names) {
       const auto fault = access::fault_of_name(name);
       if (fault.empty()) continue;
-      return "of the users and hosts whom the server of " + what.name + " admits, a name " +
-             std::string(fault) + "; correct the list in its program or in its lab file";
+      return "the list of users and hosts that the server of " + what.name +
+             " admits has a name that " + std::string(fault) +
+             "; correct the list in its program or in its lab file";
     }
   }
   return {};

@@ -95,15 +95,19 @@ void HandshakeResponder::take_first(const DatagramHeader& header, ByteView datag
 
 void HandshakeResponder::take_sealed(const DatagramHeader& header, ByteView datagram) {
   std::shared_ptr<ReceiveQueue> queue;
+  std::optional<RefusedPeer> refused_before;
   {
     const MutexLock lock(mutex_);
     const auto found = queues_.find(header.client);
-    if (found == queues_.end()) {
-      refuse_again(header.client);
-      return confirm(header, datagram);
+    if (found != queues_.end()) {
+      queue = found->second;
+    } else {
+      refused_before = refused(header.client);
+      confirm(header, datagram);
     }
-    queue = found->second;
   }
+  if (refused_before && refusals_.take(options_.now())) tell(*refused_before);
+  if (queue == nullptr) return;
   queue->take(datagram.first(DatagramHeader::bytes), datagram.subspan(DatagramHeader::bytes),
               options_.now());
 }
@@ -170,25 +174,30 @@ void HandshakeResponder::forget(std::uint64_t client) {
 void HandshakeResponder::refuse(PendingPeer client, const std::string& why) {
   const ByteView reason = std::as_bytes(std::span(why).first(std::min(why.size(), longest_reason)));
   const InnerHeader what{InnerKind::Refuse, 0, options_.now_ns()};
-  const MutexLock lock(mutex_);
-  queues_.erase(client.client);
-  if (refused_.size() == most_refused) refused_.pop_front();
-  refused_.push_back({client.client, client.reply_port, options_.now(),
-                      sealed_datagram(client.sealer, client.client, what, reason)});
-  tell(refused_.back());
+  const RefusedPeer refused{
+      client.client, client.reply_port, options_.now(),
+      std::make_shared<const Bytes>(sealed_datagram(client.sealer, client.client, what, reason))};
+  {
+    const MutexLock lock(mutex_);
+    queues_.erase(client.client);
+    if (refused_.size() == most_refused) refused_.pop_front();
+    refused_.push_back(refused);
+  }
+  tell(refused);
 }
 
-void HandshakeResponder::refuse_again(std::uint64_t client) {
+/// Returns what was told to `client`, if it was refused a moment ago.
+std::optional<HandshakeResponder::RefusedPeer> HandshakeResponder::refused(std::uint64_t client) {
   const TimePoint now = options_.now();
   while (!refused_.empty() && now - refused_.front().since >= refused_kept) refused_.pop_front();
   const auto found = std::ranges::find(refused_, client, &RefusedPeer::client);
-  if (found != refused_.end() && answers_.take(now)) tell(*found);
+  return found == refused_.end() ? std::nullopt : std::optional(*found);
 }
 
 /// Opens the port of the client for this datagram only: a refused client occupies no descriptor.
 void HandshakeResponder::tell(const RefusedPeer& refused) const {
   const auto out = options_.network->shared(refused.reply_port);
-  if (out) (*out)->publish(channel_name("GC", refused.client), refused.datagram);
+  if (out) (*out)->publish(channel_name("GC", refused.client), *refused.datagram);
 }
 
 std::unique_ptr<StreamWriter> HandshakeResponder::make_stream(std::size_t largest,

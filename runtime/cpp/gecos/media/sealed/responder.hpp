@@ -81,13 +81,13 @@ class HandshakeResponder {
     std::uint64_t client = 0;
     std::uint16_t reply_port = 0;
     TimePoint since;
-    Bytes datagram;  ///< says why; sent as often as needed
+    std::shared_ptr<const Bytes> datagram;  ///< says why; sent as often as needed
   };
   void take(ByteView datagram);
   void take_first(const DatagramHeader& header, ByteView datagram, TimePoint now);
   void take_sealed(const DatagramHeader& header, ByteView datagram);
   void confirm(const DatagramHeader& header, ByteView datagram) GECOS_REQUIRES(mutex_);
-  void refuse_again(std::uint64_t client) GECOS_REQUIRES(mutex_);
+  std::optional<RefusedPeer> refused(std::uint64_t client) GECOS_REQUIRES(mutex_);
   void tell(const RefusedPeer& refused) const;
   std::optional<crypto::KeyOwner> owner_of(const crypto::PublicKey& key) const;
   void answer(const DatagramHeader& to, DatagramKind kind, ByteView frame, TimePoint now);
@@ -101,6 +101,7 @@ class HandshakeResponder {
   // The following members are used only in take(), which the port calls from one thread at a time.
   crypto::HandshakeAcceptor handshakes_;
   Budget answers_{400};
+  Budget refusals_{50};
   Budget warnings_{1};
 
   const std::uint16_t stream_port_;

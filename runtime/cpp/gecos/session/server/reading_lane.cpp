@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "gecos/session/server/object_queue.hpp"
+#include "gecos/session/server/queue_entry.hpp"
 
 namespace gecos::session {
 
@@ -18,15 +18,19 @@ void ReadingLane::push(Entry entry) {
 }
 
 ReadingLane::Entry ReadingLane::take(FunctionRef<bool(const QueueEntry&)> wanted) {
-  for (auto reader = readers_.begin(); reader != readers_.end(); ++reader) {
-    const auto at = std::ranges::find_if(waiting_, [&](const auto& entry) {
-      return entry->client == reader->client && wanted(*entry);
-    });
-    if (at == waiting_.end()) continue;
-    std::rotate(reader, reader + 1, readers_.end());  // its next turn comes after the others'
-    return erase(at);
+  // One pass: the entry that is found last is of the client whose turn comes first.
+  auto turn = readers_.end();
+  auto next = waiting_.end();
+  for (auto at = waiting_.begin(); at != waiting_.end() && turn != readers_.begin(); ++at) {
+    const auto reader = std::find_if(
+        readers_.begin(), turn, [&](const Reader& one) { return one.client == (*at)->client; });
+    if (reader == turn || !wanted(**at)) continue;
+    turn = reader;
+    next = at;
   }
-  return nullptr;
+  if (next == waiting_.end()) return nullptr;
+  std::rotate(turn, turn + 1, readers_.end());  // its next turn comes after the others'
+  return erase(next);
 }
 
 bool ReadingLane::remove(const QueueEntry& entry) {

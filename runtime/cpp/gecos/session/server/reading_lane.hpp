@@ -13,8 +13,8 @@ namespace gecos::session {
 struct QueueEntry;
 
 /// The readings that wait at an object. The clients take turns, and the readings of one client
-/// start in the order in which they came: so a client that asks for much holds each other client up
-/// by one reading at most. Not thread-safe.
+/// start in the order in which they came. So a reading waits for at most one reading of each other
+/// session, however many those have asked for, and for the handler that runs. Not thread-safe.
 class ReadingLane {
  public:
   using Entry = std::shared_ptr<QueueEntry>;

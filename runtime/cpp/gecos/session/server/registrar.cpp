@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cerrno>
 #include <set>
-#include <string_view>
 #include <utility>
 
 #include "gecos/access/visitors.hpp"
@@ -52,7 +51,7 @@ std::uint64_t next_number() {
 }
 
 void keep_first_of_each(std::vector<std::string>& names) {
-  std::set<std::string_view> seen;
+  std::set<std::string> seen;  // copies: erase_if moves the names
   std::erase_if(names, [&](const auto& name) { return !seen.insert(name).second; });
 }
 

@@ -16,7 +16,6 @@
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/system_error.hpp"
-#include "gecos/base/whole_characters.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/session/client/context.hpp"
 #include "gecos/session/process/termination_signals.hpp"
@@ -52,14 +51,16 @@ tl::unexpected<ServeError> served_already(const std::string& name, const Servant
                                    "each name"});
 }
 
-/// Throws std::invalid_argument if a list cannot have `name`.
-void refuse_name(const std::string& name) {
-  const bool is_text = wire::valid_utf8(name);
-  const auto fault = is_text ? access::fault_of_name(name) : "is not UTF-8";
-  if (fault.empty()) return;
-  const std::string shown = is_text ? ", \"" + std::string(whole_characters(name, 32)) + "\"" : "";
-  throw std::invalid_argument("Server::allow: a name" + shown + " " + std::string(fault) +
-                              "; give the names of users and hosts as the system writes them");
+/// Throws std::invalid_argument if a list cannot have one of `names`.
+void check_names(const std::vector<std::string>& names, const std::string& what) {
+  for (std::size_t at = 0; at < names.size(); ++at) {
+    const auto fault =
+        wire::valid_utf8(names[at]) ? access::fault_of_name(names[at]) : "is not UTF-8";
+    if (fault.empty()) continue;
+    throw std::invalid_argument("Server::allow: name " + std::to_string(at + 1) + " of the " +
+                                what + " " + std::string(fault) +
+                                "; give it as the system of the user writes it");
+  }
 }
 
 }  // namespace
@@ -385,9 +386,8 @@ void Server::allow(std::vector<std::string> users, std::vector<std::string> host
         "Server::allow takes at most 256 users and 256 hosts: name the others in a lab file, or "
         "admit every name by \"*\"");
   }
-  for (const auto* const names : {&users, &hosts}) {
-    for (const auto& name : *names) refuse_name(name);
-  }
+  check_names(users, "users");
+  check_names(hosts, "hosts");
   if (core_) (*core_)->allow(std::move(users), std::move(hosts));
 }
 void Server::run() {
