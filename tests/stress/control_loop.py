@@ -1,5 +1,5 @@
 """A control loop at 1 kHz that a client in another process closes over shm, in turns with a bare
-loop that only waits: how many cycles each missed, and by how late they began."""
+loop that only waits: how many cycles each missed, and by how late they began. All share a core."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ sys.path.append(str(HERE.parent / "system"))  # processes.py
 from processes import Program  # noqa: E402
 
 RATE_HZ = 1000
+PROGRAM = "tests/stress/stress_loop"
 TIMES_BARE, MORE = 1.5, 1
 """The promise: at most so many times the missed cycles of the bare loop, and so many more."""
 PLACES = 16
@@ -80,7 +81,8 @@ def run(seconds: int, build: Path, env: Mapping[str, str]) -> Loops:
         place = tempfile.mkdtemp(prefix="gecos-")
         stack.callback(shutil.rmtree, place, ignore_errors=True)
         inside = {**os.environ, **env, "GECOS_RUNTIME_DIR": place, "GECOS_BROKER": "shm"}
-        program = build / "tests/stress/stress_loop"
+        # On one core, so that whatever takes the core away does so from both programs at once.
+        program = ("taskset", "-c", str(max(os.sched_getaffinity(0))), build / PROGRAM)
 
         def start(*command: str | Path, listens: bool = False) -> Program:
             started = Program(command, inside, listens)
@@ -88,10 +90,10 @@ def run(seconds: int, build: Path, env: Mapping[str, str]) -> Loops:
             return started
 
         start(build / "runtime/cpp/gecos/broker/gecos-broker").wait_for("ready")
-        device = start(program, "device", listens=True)
+        device = start(*program, "device", listens=True)
         loops.priority = device.wait_for("priority: ").removeprefix("priority: ")
         device.wait_for("ready")
-        start(program, "client").wait_for("ready")
+        start(*program, "client").wait_for("ready")
         for turns, kind in _turns(loops, seconds):
             device.tell(f"{kind} {RATE_HZ}")
             _take(turns, device)
