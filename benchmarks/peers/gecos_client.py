@@ -17,7 +17,10 @@ PASSWORD = "all clients of one benchmark"
 
 def main() -> None:
     how, name = sys.argv[2:]
-    read_images(name) if how == "images-poll" else make_calls(how, name)
+    if how == "images-poll":
+        read_images(name)
+    else:
+        make_calls(how, name)
 
 
 def read_images(name: str) -> None:

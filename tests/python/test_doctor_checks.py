@@ -278,7 +278,19 @@ def test_a_key_that_is_not_admitted_is_no_missing_broker() -> None:
     [
         (
             '[allow] in /etc/gecos/lab.toml:1 does not name user ben; add "ben" to its users',
-            'ask the user of the broker to add "ben" to its users in /etc/gecos/lab.toml',
+            'ask the user of the broker to add "ben" to the users of [allow] in '
+            "/etc/gecos/lab.toml",
+        ),
+        (
+            '[objects.BROKER.allow] in a.toml:3 does not name host desk; add "desk" to its hosts',
+            'ask the user of the broker to add "desk" to the hosts of [objects.BROKER.allow] in '
+            "a.toml",
+        ),
+        (
+            "the list in the program of the server (`allow`, or `users` and `hosts` of `serve`) "
+            'does not name user ben; add "ben" to its users',
+            'ask the user of the broker to add "ben" to the users of the list in the program of '
+            "the broker",
         ),
         (
             'it admits only user root of host cell; write users = ["ben"] below [allow] in a.toml',

@@ -279,7 +279,7 @@ def test_break_of_a_free_object_says_that_nobody_held_it(
     server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(monkeypatch, "break", "LAMP", "--why", "to be sure") == 0
-    assert capsys.readouterr().out == "LAMP: nobody held its status\n"
+    assert capsys.readouterr().out == "LAMP: nobody held its status before\n"
 
 
 def test_break_takes_master_status_away_too(
@@ -304,7 +304,19 @@ def test_the_broker_can_be_described_and_stopped_as_an_object(
     assert run(monkeypatch, "stop", "--all") == 0
     assert capsys.readouterr().out == "nothing was stopped\n"
     assert run(monkeypatch, "break", "BROKER", "--why", "to be sure") == 0
-    assert capsys.readouterr().out == "BROKER: nobody held its status\n"
+    assert capsys.readouterr().out == "BROKER: nobody held its status before\n"
+
+
+def test_members_of_the_broker_are_called_and_watched(
+    lab: gecos.Lab, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for words, told in {
+        ("wait", "BROKER"): "BROKER: online\n",
+        ("call", "BROKER", "list"): "[]\n",
+        ("watch", "BROKER", "--timeout", "0.1"): "BROKER: nobody holds",
+    }.items():
+        run(monkeypatch, *words)
+        assert told in capsys.readouterr().out
 
 
 def test_an_unknown_name_names_those_that_are_online(

@@ -800,6 +800,11 @@ def test_a_shell_completes_verbs_names_and_members(
     assert [item.value for item in found] == expected
 
 
+def test_the_completion_of_a_misspelt_verb_does_not_fail_into_the_prompt() -> None:
+    completion = BashComplete(app, {}, "gecos", "_GECOS_COMPLETE")
+    assert "watch" in [item.value for item in completion.get_completions(["wacth"], "")]
+
+
 def test_completion_prints_the_script_of_a_shell(run: Run) -> None:
     code, out, _ = run("completion", "bash")
     assert code == 0

@@ -67,10 +67,12 @@ def test_a_broker_of_root_admits_servers_of_the_user_gecos_only_if_its_file_name
 def test_policy_says_that_it_assumes_a_server_of_the_caller(file: Path, run: Run) -> None:
     code, out, _ = run("policy", "test", ME, HOST, "RX90")
     assert code == 0
-    assert out.splitlines()[1:] == [
-        f"this assumes that the server of RX90 runs as user {ME}, because no broker says whose "
-        "server it has; name the user by --server-user"
-    ]
+    assumes, asked = out.splitlines()[1:]
+    assert assumes == (
+        f"this assumes that the server of RX90 runs as user {ME}, because no broker lists the "
+        "object; name the user by --server-user"
+    )
+    assert asked.startswith("asked: RX90 was not reached: no broker answers; start ")
 
 
 def test_policy_takes_the_user_of_the_server_from_the_broker(
@@ -80,10 +82,10 @@ def test_policy_takes_the_user_of_the_server_from_the_broker(
     monkeypatch.setattr(key_folder, "this_user", lambda: "eve")  # who asks is of another user
     _, out, _ = run("policy", "test", "eve", HOST, "RX90", "--json")
     assert valid(out, "policy test")
-    assert not json.loads(out)["allowed"]
+    assert not json.loads(out)["allowed_by_file"]
     assert json.loads(out)["server"] == {"user": ME, "host": HOST, "known_from": "broker"}
     _, out, _ = run("policy", "test", "eve", HOST, "RX90")
-    assert out.startswith(f"denied: RX90 refuses user eve of host {HOST}: [objects.RX90.allow]")
+    assert f"denied: RX90 refuses user eve of host {HOST}: [objects.RX90.allow]" in out
     assert f"\nthe server of RX90 runs as user {ME} of host {HOST}, as the broker says\n" in out
 
 
@@ -121,25 +123,87 @@ def test_the_answer_of_the_object_counts_for_the_user_who_asks(
 ) -> None:
     server.add("RX90", Shelf())
     code, out, _ = run("policy", "test", ME, HOST, "RX90")
-    assert (code, out.splitlines()[-1]) == (0, f"asked: a program of user {ME} reaches RX90 now")
-    find = connect.find
-
-    def refused(lab: gecos.Lab, name: str, **how: Any) -> gecos.Object:
-        if name != "RX90":
-            return find(lab, name, **how)
-        raise gecos.CreateError([gecos.Attempt(name, gecos.Detail.REFUSED, "not in its list")])
-
-    monkeypatch.setattr(connect, "find", refused)
+    assert (code, out.splitlines()[0]) == (0, "allowed: RX90 admits this program (asked now)")
+    fail_to_connect(monkeypatch, gecos.Attempt("RX90", gecos.Detail.REFUSED, "not in its list"))
     code, out, _ = run("policy", "test", ME, HOST, "RX90")
-    assert out.splitlines()[-1] == f"asked: a program of user {ME} is refused at RX90 now: " + (
-        "not in its list"
-    )
-    assert code == 5
+    assert (code, out.splitlines()[0]) == (5, "denied: not in its list (asked now)")
+    assert out.splitlines()[1].startswith("the lab file alone says allowed: RX90 admits user ")
     code, out, _ = run("policy", "test", ME, HOST, "RX90", "--json")
-    assert valid(out, "policy test")
-    assert (json.loads(out)["allowed"], json.loads(out)["admitted"]) == (True, False)
+    assert (code, valid(out, "policy test")) == (5, True)
+    told = json.loads(out)
+    assert (told["allowed"], told["allowed_by_file"], told["admitted"]) == (False, True, False)
+    assert told["not_admitted"] == "not in its list"
     # A file or a user of a server that is only thought of is no matter for the object.
     assert run("policy", "test", ME, HOST, "RX90", "--server-user", ME)[0] == 0
+
+
+def fail_to_connect(monkeypatch: pytest.MonkeyPatch, attempt: gecos.Attempt) -> None:
+    """Lets connections to the object of `attempt` fail."""
+    find = connect.find
+
+    def failing(lab: gecos.Lab, name: str, **how: Any) -> gecos.Object:
+        if name != attempt.name:
+            return find(lab, name, **how)
+        raise gecos.CreateError([attempt])
+
+    monkeypatch.setattr(connect, "find", failing)
+
+
+def test_an_object_that_is_online_and_not_reached_is_no_admission(
+    server: gecos.Server, file: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server.add("RX90", Shelf())
+    attempt = gecos.Attempt("RX90", gecos.Detail.NO_SERVER, "the server does not answer")
+    fail_to_connect(monkeypatch, attempt)
+    code, out, _ = run("policy", "test", ME, HOST, "RX90")
+    assert (code, out.splitlines()[0].partition(":")[0]) == (4, "allowed")
+    assert out.splitlines()[-1] == "asked: RX90 was not reached: the server does not answer"
+    code, out, _ = run("policy", "test", ME, HOST, "RX90", "--json")
+    assert (code, valid(out, "policy test")) == (4, True)
+    assert json.loads(out)["admitted"] is None
+    assert json.loads(out)["not_admitted"] == "the server does not answer"
+
+
+@pytest.mark.parametrize("user", [ME, "anna"])
+def test_a_user_whom_the_broker_refuses_is_not_said_to_have_the_server(
+    user: str, file: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reason = "the broker refuses this program: shm:BROKER.sock: BROKER refuses you"
+    refusal = gecos.CreateError([gecos.Attempt("BROKER", gecos.Detail.NO_SERVER, reason)])
+
+    def refused(*_: Any, **__: Any) -> Any:
+        raise refusal
+
+    monkeypatch.setattr(gecos.Lab, "broker", refused)
+    code, out, _ = run("policy", "test", user, HOST, "LDS")
+    unknown = (
+        "whose server LDS is, is not known, because the broker refuses this program; name the user "
+        "by --server-user"
+    )
+    if user == ME:
+        assert (code, out.splitlines()) == (5, [f"denied: {reason} (asked now)", unknown])
+    else:
+        assert code == 0
+        assert out.splitlines()[1] == unknown
+    _, out, _ = run("policy", "test", user, HOST, "LDS", "--json")
+    assert valid(out, "policy test")
+    assert json.loads(out)["server"] is None
+
+
+def test_the_object_is_asked_over_one_connection(
+    server: gecos.Server, file: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server.add("SHELF", Shelf())
+    found: list[str] = []
+    find = connect.find
+
+    def counted(lab: gecos.Lab, name: str, **how: Any) -> gecos.Object:
+        found.append(name)
+        return find(lab, name, **how)
+
+    monkeypatch.setattr(connect, "find", counted)
+    assert run("policy", "test", ME, HOST, "SHELF", "mount")[0] == 0
+    assert found == ["SHELF"]
 
 
 def test_the_verdict_is_printed_where_the_object_cannot_be_asked_about_the_operation(
@@ -166,6 +230,15 @@ def test_policy_says_who_may_serve_an_object(file: Path, run: Run) -> None:
     code, out, _ = run("policy", "test", "anna", "cell", "RX90", "--serve")
     assert code == 5
     assert f"denied: a server of user anna of host cell may not register RX90: {bound}" in out
+    assert run("policy", "test", "anna", "cell", "LDS", "--serve")[0] == 0
+    code, _, err = run("policy", "test", "anna", "cell", "LDS", "move", "--serve")
+    assert (code, err) == (2, "gecos: --serve is about the name OBJECT; leave out OPERATION\n")
+
+
+def test_policy_of_a_name_asks_nobody(
+    file: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(gecos, "Lab", None)
     assert run("policy", "test", "anna", "cell", "LDS", "--serve")[0] == 0
 
 

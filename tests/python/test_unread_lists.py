@@ -30,6 +30,14 @@ def test_the_first_list_of_a_file_is_told_of_once(tmp_path: Path, table: str) ->
     assert lists.appeared() == ""
 
 
+def test_a_list_that_was_added_while_the_programs_started_is_told_of(tmp_path: Path) -> None:
+    file = tmp_path / "lab.toml"
+    edit(file, PROGRAM, 1)
+    laboratory = read_laboratory(file)
+    edit(file, PROGRAM + '[allow]\nusers = ["anna"]\n', 2)
+    assert UnreadLists(laboratory).appeared() != ""
+
+
 def test_a_file_that_the_programs_read_is_not_told_of(tmp_path: Path) -> None:
     file = tmp_path / "lab.toml"
     edit(file, PROGRAM + '[allow]\nusers = ["anna"]\n', 1)

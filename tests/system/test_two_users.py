@@ -57,18 +57,22 @@ def test_gecos_ls_of_a_visitor_shows_what_programs_in_python_admit_the_user_to(
         program = TREE / "tests" / "system" / "programs" / "visitor.py"
         broker = build / "runtime" / "cpp" / "gecos" / "broker" / "gecos-broker"
         ran = _run(environment, sys.executable, program, TREE / "tests" / "python", broker)
-    listed, named, refused, allowed, other, denied = ran.splitlines()
+    listed, named, refused, allowed, other, denied, advice = ran.splitlines()
     assert listed == "root: LAMP OTHER"
     assert named == "daemon: LAMP: a lamp"
     assert refused.startswith("daemon: DENIED: 'stop' of BROKER was not started: user daemon of ")
     assert "BROKER refuses user bin of host" in other
     # The file says no to both, and the object yes to one.
-    assert allowed.startswith("daemon: 0: denied: LAMP refuses user daemon of host")
+    assert allowed.startswith(
+        "daemon: 0: allowed: LAMP admits this program (asked now) / the lab file alone says "
+        "denied: LAMP refuses user daemon of host"
+    )
     assert "the server of LAMP runs as user root of host" in allowed
-    assert allowed.endswith("asked: a program of user daemon reaches LAMP now")
-    assert denied.startswith("bin: 5: ")
-    assert "asked: a program of user bin is refused at LAMP now: " in denied
+    # Python recognises the refusal by the text of the C++ library.
+    assert denied.startswith("bin: 5: denied: the broker refuses this program: shm:")
     assert "BROKER refuses user bin of host" in denied
+    assert "whose server LAMP is, is not known, because the broker refuses this program" in denied
+    assert advice.startswith('bin: ask the user of the broker to write users = ["bin"] below')
 
 
 def test_a_server_in_python_names_who_is_admitted() -> None:

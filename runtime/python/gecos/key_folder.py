@@ -139,8 +139,7 @@ def add(file: Path, owner: str | None = None) -> str:
         if is_own_user(owner):
             raise KeyFolderError(
                 f"{owner} is admitted to everything on this host, so no list would limit this key: "
-                "after the @, name the host of the key's user, or leave USER@HOST out for a key of "
-                "yours or of root"
+                "after the @, name the host of the key's user"
             )
         _put(_owner_file(key), f"{owner}\n".encode())  # first: a list may limit this key
     _put(file_of(key), text)

@@ -16,7 +16,8 @@ from collections.abc import Callable
 import gecos
 
 # Imported here, because a child may not be able to read the modules.
-from gecos.cli import app, find, policy, policy_asked, report  # noqa: F401
+from gecos.cli import app, policy, policy_asked, refusal, report  # noqa: F401
+from gecos.cli.doctor.broker import Answer, BrokerPlace, broker
 from gecos.cli.presence import presences
 from gecos.dynamic_client import connect  # noqa: F401
 from gecos_idl.broker import Broker
@@ -57,6 +58,16 @@ def policy_tested() -> str:
     return f"{int(code)}: {' / '.join(said.getvalue().splitlines())}"
 
 
+def advice() -> str:
+    """Returns what `gecos doctor` advises if the broker refuses this user."""
+    with gecos.Lab("shm") as lab:
+        try:
+            lab.broker(Broker)
+        except gecos.CreateError as refused:
+            return broker(Answer(refused.attempts[0].reason), BrokerPlace(), "").mend or ""
+    return "admitted"
+
+
 def program_of(user: str, *tasks: Callable[[], str]) -> tuple[int, int]:
     """Returns the process of a program of `user`, and a pipe that lets it go on."""
     entry = pwd.getpwnam(user)
@@ -75,11 +86,11 @@ def program_of(user: str, *tasks: Callable[[], str]) -> tuple[int, int]:
 
 programs = [
     program_of("daemon", look, stop_the_broker, policy_tested),
-    program_of("bin", look, policy_tested),
+    program_of("bin", look, policy_tested, advice),
 ]
-with subprocess.Popen([sys.argv[2], "shm"], stdout=subprocess.PIPE, text=True) as broker:
-    assert broker.stdout is not None
-    broker.stdout.readline()
+with subprocess.Popen([sys.argv[2], "shm"], stdout=subprocess.PIPE, text=True) as running:
+    assert running.stdout is not None
+    running.stdout.readline()
     with gecos.Lab("shm") as lab, gecos.Server(lab) as server, gecos.Server(lab) as other:
         server.allow(["daemon"])
         server.add("LAMP", PlainLamp(), media=["shm"])
@@ -88,4 +99,4 @@ with subprocess.Popen([sys.argv[2], "shm"], stdout=subprocess.PIPE, text=True) a
         for process, goes in programs:
             os.write(goes, b"g")
             os.waitpid(process, 0)
-    broker.terminate()
+    running.terminate()

@@ -56,15 +56,21 @@ class Verbs(click.Group):
 
     def get_command(self, context: click.Context, name: str) -> click.Command | None:
         if name not in _VERBS:
-            from difflib import get_close_matches
-
-            near = get_close_matches(name, _VERBS, n=1)
-            if near:
-                context.fail(f"No such command '{name}'; did you mean {near[0]}?")
             return None
         module, _, function = _VERBS[name].rpartition(".")
         verb: click.Command = getattr(import_module(f"gecos.cli.{module}"), function)
         return verb
+
+    def resolve_command(
+        self, context: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args[0] not in _VERBS and not context.resilient_parsing:  # a completion must not fail
+            from difflib import get_close_matches
+
+            near = get_close_matches(args[0], _VERBS, n=1)
+            if near:
+                context.fail(f"No such command '{args[0]}'; did you mean {near[0]}?")
+        return super().resolve_command(context, args)
 
 
 def _print_version(context: click.Context, _: click.Parameter, asked: bool) -> None:

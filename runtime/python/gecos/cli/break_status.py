@@ -22,7 +22,7 @@ def break_status(name: str, why: str, broker: str | None, as_json: bool) -> None
     from gecos_idl.object_types import StatusRefused
 
     import gecos
-    from gecos.cli.find import find
+    from gecos.dynamic_client.connect import find
 
     with gecos.Lab(broker) as lab:
         robot = find(lab, name)
@@ -34,4 +34,4 @@ def break_status(name: str, why: str, broker: str | None, as_json: bool) -> None
     if as_json:
         print_json({"broken": name, "was_held": held})
     else:
-        print(f"{name}: nobody {'holds its status any more' if held else 'held its status'}")
+        print(f"{name}: nobody {'holds its status any more' if held else 'held its status before'}")

@@ -28,9 +28,8 @@ def describe(name: str, broker: str | None, as_json: bool) -> None:
     have no stream, and need no status.
     """
     import gecos
-    from gecos.cli.find import find
     from gecos.dynamic_client import read_model
-    from gecos.dynamic_client.connect import served_models, without_model
+    from gecos.dynamic_client.connect import find, served_models, without_model
 
     with gecos.Lab(broker) as lab:
         found = find(lab, name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import click
@@ -14,24 +15,30 @@ if TYPE_CHECKING:
 _ANY_LATENCY = 3600.0  # s; asks `create` for a measurement, and refuses no medium
 
 
-def round_trips(
-    lab: Lab, interface: type[Object], told: Explanation
-) -> dict[str, float | CreateError]:
-    """Returns the round trip in s over each suitable medium of an object, or the reason why no
-    session can be opened over the medium, for example because the server does not admit the key of
-    this user, or because the medium is too slow for the interface."""
+@dataclass(frozen=True, slots=True)
+class RoundTrips:
+    """The media that were tried. `not_reached` has the reason why no session can be opened over a
+    medium, for example because the server does not admit the key of this user, or because the
+    medium is too slow for the interface."""
+
+    measured: dict[str, float] = field(default_factory=dict)  # in s
+    not_reached: dict[str, str] = field(default_factory=dict)
+
+
+def round_trips(lab: Lab, interface: type[Object], told: Explanation) -> RoundTrips:
+    """Measures the round trip over each suitable medium of an object."""
     import gecos
 
-    measured: dict[str, float | CreateError] = {}
+    tried = RoundTrips()
     for each in told.media:
         if each.suitable:
             try:
                 proxy = lab.create(interface, told.name, medium=each.medium, latency=_ANY_LATENCY)
             except gecos.CreateError as error:
-                measured[each.medium] = error
+                tried.not_reached[each.medium] = _reasons(error)
             else:
-                measured[each.medium] = gecos.line_state(proxy).round_trip or 0.0
-    return measured
+                tried.measured[each.medium] = gecos.line_state(proxy).round_trip or 0.0
+    return tried
 
 
 def _reasons(error: CreateError) -> str:
@@ -53,9 +60,7 @@ def explain(name: str, broker: str | None, measure: bool, as_json: bool) -> None
     with gecos.Lab(broker) as lab:
         interface = interface_of(find(lab, name))
         told = lab.explain(interface, name)
-        tried = round_trips(lab, interface, told) if measure else {}
-    measured = {medium: trip for medium, trip in tried.items() if isinstance(trip, float)}
-    failed = {medium: _reasons(e) for medium, e in tried.items() if not isinstance(e, float)}
+        tried = round_trips(lab, interface, told) if measure else RoundTrips()
     if as_json:
         print_json(
             {
@@ -69,8 +74,8 @@ def explain(name: str, broker: str | None, measure: bool, as_json: bool) -> None
                         "address": each.address,
                         "suitable": each.suitable,
                         "reason": each.reason,
-                        "round_trip": measured.get(each.medium),
-                        "not_reached": failed.get(each.medium),
+                        "round_trip": tried.measured.get(each.medium),
+                        "not_reached": tried.not_reached.get(each.medium),
                         "members": [
                             {"name": member.name, "reason": member.reason}
                             for member in each.members
@@ -84,7 +89,7 @@ def explain(name: str, broker: str | None, measure: bool, as_json: bool) -> None
         from gecos.cli import report
 
         print(report.printable(str(told)))
-        for medium, round_trip in measured.items():
+        for medium, round_trip in tried.measured.items():
             print(f"  measured over {medium}: {round_trip * 1e3:.3g} ms")
-        for medium, reason in failed.items():
+        for medium, reason in tried.not_reached.items():
             print(report.printable(f"  {medium}: not reached: {reason}"))

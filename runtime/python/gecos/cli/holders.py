@@ -30,7 +30,7 @@ def holders(name: str, watching: bool, broker: str | None, as_json: bool) -> Non
     """Shows the clients that hold actor or master status of an object."""
     import gecos
     from gecos.cli import report
-    from gecos.cli.find import find
+    from gecos.dynamic_client.connect import find
 
     with gecos.Lab(broker) as lab:
         robot = find(lab, name)

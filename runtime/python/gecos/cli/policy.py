@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import stat
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -58,10 +59,11 @@ def test(
     """Says whether USER on HOST may connect to OBJECT, and which rule decides this.
 
     Decides by the lab file of this host. A list in the program of the server is not known here: if
-    the file has a list for OBJECT, too, both must admit USER. If you are USER on HOST and OBJECT is
-    online, also connects to OBJECT, whose answer counts. With OPERATION, asks OBJECT which status
-    this operation or attribute needs; the lab file has no influence on the status. Ends with 0 if
-    USER is allowed, and with 5 if not.
+    the file has a list for OBJECT, too, both must admit USER. If you are USER on HOST, also
+    connects to OBJECT, whose answer counts. With OPERATION, asks OBJECT which status this operation
+    or attribute needs; the lab file has no influence on the status. Asking leaves a line in the
+    audit of OBJECT. Ends with 0 if USER is allowed, with 5 if not, and with 4 if the file allows
+    USER but OBJECT, which the broker lists, is not reached.
     """
     import socket
 
@@ -69,27 +71,31 @@ def test(
     from gecos import key_folder
     from gecos.cli import policy_asked
 
+    if serve and operation is not None:
+        raise UsageFailure("--serve is about the name OBJECT; leave out OPERATION")
     path = file or named_file()
     text = "" if path is None else text_of(path)
-    who = (user, host)
-    with gecos.Lab(broker) as lab:
-        if serve:
-            found = _may_serve(text, path, who, object_name)
+    who, here = (user, host), socket.gethostname()
+    if serve:
+        found = _may_serve(text, path, who, object_name)
+        if as_json:
+            _tell_json(found, None)
         else:
-            server = (
-                policy_asked.server_user(lab, object_name)
-                if server_user is None
-                else policy_asked.ServerUser(server_user, socket.gethostname(), "option")
-            )
-            found = _may_connect(text, path, server, who, object_name)
-            caller = (key_folder.this_user(), socket.gethostname())
-            if who == caller and file is None and server_user is None:
-                found.answer = policy_asked.answer(lab, object_name)
+            _tell_verdict(found, object_name)
+        return _code(found)
+    with gecos.Lab(broker) as lab:
+        if server_user is None:
+            server = policy_asked.server_user(lab, object_name)
+        else:
+            server = policy_asked.ServerUser(server_user, here, policy_asked.KnownFrom.OPTION)
+        found = _may_connect(text, path, server, who, object_name)
+        if who == (key_folder.this_user(), here) and file is None and server_user is None:
+            found.answer = policy_asked.answer(lab, object_name)
         if not as_json:
-            _tell(found, who, object_name)
+            _tell_verdict(found, object_name)
         if operation is not None:
             try:
-                found.member = policy_asked.member(lab, object_name, operation)
+                found.member = policy_asked.member(lab, object_name, operation, found.answer)
             except (ConnectionError, RuntimeError, ValueError) as error:
                 found.unknown = error
     if as_json:
@@ -105,13 +111,31 @@ def test(
 class _Found:
     """What the lab file says about a user and an object, and what was asked."""
 
-    allowed: bool
-    rule: str
+    allowed_by_file: bool
+    rule: str  # of the lab file
     server: ServerUser | None = None  # None: it is about serving
     program: str = ""  # what a list in the program of the server may change
     answer: Answer | None = None  # of the object, if this program is of the user
     member: Member | None = None
     unknown: Exception | None = None  # why the member is not known
+
+    @property
+    def admits(self) -> bool | None:
+        """What the object has answered; None if it was not asked, or not reached."""
+        return None if self.answer is None else self.answer.admits
+
+    @property
+    def allowed(self) -> bool:
+        """The verdict: the answer of the object if there is one, else that of the lab file."""
+        return self.allowed_by_file if self.admits is None else self.admits
+
+    @property
+    def not_reached(self) -> bool:
+        """Whether the object, which the broker lists, was asked and not reached."""
+        from gecos.cli.policy_asked import KnownFrom
+
+        listed = self.server is not None and self.server.known_from is KnownFrom.BROKER
+        return listed and self.answer is not None and self.admits is None
 
 
 def _may_serve(text: str, path: Path | None, who: tuple[str, str], name: str) -> _Found:
@@ -145,7 +169,7 @@ def _may_connect(
         )
         if path is None:
             found.program += "; servers that have read a file before it was removed keep its lists"
-    elif found.allowed:
+    elif found.allowed_by_file:
         found.program = f"{list_of_program} must admit the user, too, if there is one"
     return found
 
@@ -160,30 +184,61 @@ def _has_list(text: str, name: str) -> bool:
     return "allow" in file or name in lists or (name == "BROKER" and bool(lists))
 
 
-def _tell(found: _Found, who: tuple[str, str], name: str) -> None:
-    """Prints what the lab file says, on what that depends, and what the object itself says."""
-    import socket
-
+def _tell_verdict(found: _Found, name: str) -> None:
+    """Prints the verdict, by what it was decided, and on what that depends."""
     from gecos.cli.report import printable
 
-    print(f"{'allowed' if found.allowed else 'denied'}: {found.rule}")
-    server = found.server
-    if server is not None and server.known_from == "broker":
-        whose = f"user {server.user} of host {server.host}"
-        print(printable(f"the server of {name} runs as {whose}, as the broker says"))
-        if server.host != socket.gethostname():
-            print(printable(f"it reads the lab file of host {server.host}, not the one of here"))
-    elif server is not None and server.known_from == "assumed":
-        print(
-            f"this assumes that the server of {name} runs as user {server.user}, because no broker "
-            "says whose server it has; name the user by --server-user"
-        )
-    if found.answer is not None:
-        does = f"reaches {name} now" if found.answer.admits else f"is refused at {name} now"
-        reason = f": {found.answer.reason}" if found.answer.reason else ""
-        print(printable(f"asked: a program of user {who[0]} {does}{reason}"), flush=True)
-    elif found.program:
-        print(f"this is what the file says; {found.program}", flush=True)
+    for line in _verdict(found, name):
+        print(printable(line), flush=True)
+
+
+def _verdict(found: _Found, name: str) -> Iterator[str]:
+    from gecos.cli.policy_asked import KnownFrom
+
+    server, answer = found.server, found.answer
+    if answer is None or answer.admits is None:
+        yield f"{_word(found.allowed)}: {found.rule}"
+    else:
+        why = answer.reason or f"{name} admits this program"
+        yield f"{_word(found.allowed)}: {why} (asked now)"
+        if server is not None and server.known_from is not KnownFrom.UNKNOWN:
+            yield f"the lab file alone says {_word(found.allowed_by_file)}: {found.rule}"
+    if server is not None:
+        yield from _about_server(server, name)
+    if answer is not None and answer.admits is None:
+        yield f"asked: {name} was not reached: {answer.reason}"
+    if found.admits is None and found.program:
+        yield f"this is what the file says; {found.program}"
+
+
+def _word(allowed: bool) -> str:
+    return "allowed" if allowed else "denied"
+
+
+def _about_server(server: ServerUser, name: str) -> Iterator[str]:
+    """Yields whose server an object has, as far as that is known."""
+    import socket
+
+    from gecos.cli.policy_asked import KnownFrom
+
+    match server.known_from:
+        case KnownFrom.BROKER:
+            whose = f"user {server.user} of host {server.host}"
+            yield f"the server of {name} runs as {whose}, as the broker says"
+            if server.host != socket.gethostname():
+                yield f"it reads the lab file of host {server.host}, not the file of this host"
+        case KnownFrom.ASSUMED:
+            yield (
+                f"this assumes that the server of {name} runs as user {server.user}, because no "
+                "broker lists the object; name the user by --server-user"
+            )
+        case KnownFrom.UNKNOWN:
+            yield (
+                f"whose server {name} is, is not known, because the broker refuses this program; "
+                "name the user by --server-user"
+            )
+        case KnownFrom.OPTION:
+            pass
 
 
 def _tell_json(found: _Found, operation: str | None) -> None:
@@ -191,14 +246,18 @@ def _tell_json(found: _Found, operation: str | None) -> None:
 
     called, set_ = (None, None) if found.member is None else policy_asked.statuses(found.member)
     server = found.server
+    if server is not None and server.known_from is policy_asked.KnownFrom.UNKNOWN:
+        server = None
     print_json(
         {
             "allowed": found.allowed,
+            "allowed_by_file": found.allowed_by_file,
             "rule": found.rule,
             "server": None
             if server is None
             else {"user": server.user, "host": server.host, "known_from": server.known_from},
-            "admitted": None if found.answer is None else found.answer.admits,
+            "admitted": found.admits,
+            "not_admitted": None if found.answer is None else found.answer.reason or None,
             "operation": operation,
             "status": called,
             "status_to_set": set_,
@@ -221,10 +280,10 @@ def _code(found: _Found) -> int:
     gives NO_ACCESS."""
     if isinstance(found.unknown, UsageFailure):
         return ExitCode.USAGE
-    if not (found.allowed if found.answer is None else found.answer.admits):
+    if not found.allowed:
         return ExitCode.NO_ACCESS
     if found.unknown is None:
-        return ExitCode.FINISHED
+        return ExitCode.CONNECTION_FAILED if found.not_reached else ExitCode.FINISHED
     code = exit_code(found.unknown)
     return ExitCode.CONNECTION_FAILED if code is ExitCode.NO_ACCESS else code
 

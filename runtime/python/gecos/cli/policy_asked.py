@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import socket
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from enum import StrEnum
+from typing import TYPE_CHECKING
 
+from gecos.cli import refusal
 from gecos.cli.exit_codes import UsageFailure
 
 if TYPE_CHECKING:
@@ -15,71 +17,91 @@ if TYPE_CHECKING:
 
 _MOMENT = 1.0  # s for which the broker is asked; the lab file is read without it, too
 
-_AT_BROKER = "the broker refuses this program: "
-"""With this begins the reason where the broker refuses this program, whose detail is NO_SERVER."""
+
+class KnownFrom(StrEnum):
+    """How the user of a server is known."""
+
+    OPTION = "option"  # --server-user names it
+    BROKER = "broker"  # the broker lists the object
+    ASSUMED = "assumed"  # no broker lists the object
+    UNKNOWN = "unknown"  # the broker refuses this program
 
 
 @dataclass(frozen=True, slots=True)
 class ServerUser:
-    """The user and the host of a server, and how they are known."""
+    """The user and the host of a server, and how they are known: those of this program if they are
+    ASSUMED or UNKNOWN."""
 
     user: str
     host: str
-    known_from: str  # "option", "broker" or "assumed"
+    known_from: KnownFrom
 
 
-class Answer(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Answer:
     """What an object says when this program connects."""
 
-    admits: bool
-    reason: str  # why it refuses; "" if it admits
+    admits: bool | None  # None: the object was not reached
+    reason: str  # why it refuses or was not reached; "" if it admits
+    reached: gecos.Object | None = None
+    error: Exception | None = None  # if the object was not reached, or refuses
+
+    def proxy(self) -> gecos.Object:
+        """Returns the proxy of the object. Raises the error of the connection."""
+        if self.reached is None:
+            raise self.error or RuntimeError(self.reason)
+        return self.reached
 
 
 def server_user(lab: gecos.Lab, name: str) -> ServerUser:
-    """Returns the user of the server of an object, as the broker says. Assumes the user of this
-    program if the broker does not know the object, or cannot be asked."""
+    """Returns the user of the server of an object, as the broker says."""
     from gecos.dynamic_client.connect import entries, silent_objects
+    from gecos.errors import CreateError
     from gecos.key_folder import this_user
 
+    how, known = KnownFrom.ASSUMED, []
     try:
         known = [*entries(lab, patience=_MOMENT), *(each.entry for each in silent_objects(lab))]
+    except CreateError as error:
+        if any(refusal.of_broker(each.reason) for each in error.attempts):
+            how = KnownFrom.UNKNOWN
     except (ConnectionError, RuntimeError):
-        known = []
+        pass
     for entry in known:
         if entry.name == name:
-            return ServerUser(entry.user, entry.hostname, "broker")
-    return ServerUser(this_user(), socket.gethostname(), "assumed")
+            return ServerUser(entry.user, entry.hostname, KnownFrom.BROKER)
+    return ServerUser(this_user(), socket.gethostname(), how)
 
 
-def answer(lab: gecos.Lab, name: str) -> Answer | None:
-    """Connects to an object. Returns whether the object admits this program; None if that is not
-    known, for example because the object is not online."""
-    from gecos.cli.find import find
+def answer(lab: gecos.Lab, name: str) -> Answer:
+    """Connects to an object. Returns whether the object admits this program."""
+    from gecos.dynamic_client.connect import find
     from gecos.errors import CreateError, Detail
 
     try:
-        find(lab, name)
+        return Answer(True, "", find(lab, name))
     except CreateError as error:
         refusals = [
             each.reason
             for each in error.attempts
-            if each.detail is Detail.REFUSED or each.reason.startswith(_AT_BROKER)
+            if each.detail is Detail.REFUSED or refusal.of_broker(each.reason)
         ]
-        return Answer(False, refusals[0]) if refusals else None
-    except (ConnectionError, RuntimeError):
-        return None
-    return Answer(True, "")
+        if refusals:
+            return Answer(False, refusals[0], error=error)
+        return Answer(None, "; ".join(each.reason for each in error.attempts), error=error)
+    except (ConnectionError, RuntimeError) as error:
+        return Answer(None, str(error), error=error)
 
 
-def member(lab: gecos.Lab, name: str, called: str) -> Member:
-    """Returns the operation or attribute of an object that is called `called`. Raises UsageFailure
-    if there is none, and the errors of `find`."""
+def member(lab: gecos.Lab, name: str, called: str, answer: Answer | None) -> Member:
+    """Returns the operation or attribute of an object that is called `called`. Does not connect
+    again if the object has given its `answer`. Raises UsageFailure if there is no such member, and
+    the errors of `find`."""
     import gecos
-    from gecos.cli.find import find
     from gecos.dynamic_client import read_model
-    from gecos.dynamic_client.connect import served_models, without_model
+    from gecos.dynamic_client.connect import find, served_models, without_model
 
-    found = find(lab, name)
+    found = find(lab, name) if answer is None else answer.proxy()
     interface = gecos.describe(found).result().interface_name
     models = served_models(found)
     if not models:

@@ -41,7 +41,7 @@ def stats(name: str | None, broker: str | None, as_json: bool) -> None:
 
 def _stats(lab: gecos.Lab, name: str) -> ObjectStats:
     import gecos
-    from gecos.cli.find import find
+    from gecos.dynamic_client.connect import find
 
     return gecos.stats(find(lab, name)).result()
 

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import gecos
-from gecos.cli.find import BROKER, find
 from gecos.dynamic_client.connect import (
+    BROKER,
     connect_to,
     entries,
+    find,
     not_online,
     objects_here,
     silence_of,

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from gecos.lab import Lab
     from gecos.object_watch import ObjectWatch
 
+BROKER = "BROKER"
+"""The name of the broker itself, which no broker lists."""
+
 _ASK_ANYWAY = 1.0  # time in s after which a server that did not answer is asked again
 _LEAST_PATIENCE = 0.2  # in s, of the last attempt of a wait
 _MAY_PASS = {
@@ -60,12 +63,13 @@ def silent_objects(lab: Lab, *, patience: float = 2.0) -> list[SilentObject]:
 def find(
     lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.0, wait: float = 0.0
 ) -> Object:
-    """Connects to the object called `name`, whatever its interface. The proxy has only the built-in
-    operations. While the object is not online, no broker answers, or the broker refuses this
-    program, tries again for `wait` s: a server that starts may make this user a visitor of the
-    broker. Raises CreateError, which says since when the object is silent, proposes a similar name,
-    or lists the objects online. Raises CommandFailed or ConnectionFailed if the broker dies before
-    it has answered."""
+    """Connects to the object called `name`, whatever its interface, or to the broker itself, which
+    is called BROKER. The proxy has only the built-in operations. While the object is not online, no
+    broker answers, or the broker refuses this program, tries again for `wait` s: a server that
+    starts may make this user a visitor of the broker. Each of up to three questions of an attempt
+    waits for `patience`. Raises CreateError, which says since when the object is silent, proposes a
+    similar name, or lists the objects online. Raises CommandFailed or ConnectionFailed if the
+    broker dies before it has answered."""
     end = time.monotonic() + wait
     given = patience
     told: CreateError | CommandFailed | ConnectionFailed | None = None  # by the attempt before
@@ -78,7 +82,7 @@ def find(
             except (CreateError, CommandFailed, ConnectionFailed) as error:
                 now = time.monotonic()
                 cut_short = patience < given and now >= began + patience
-                if told is None or not cut_short:
+                if told is None or not cut_short or not _may_pass(error):
                     told = error
                 if now >= end or not _may_pass(error):
                     raise told from None
@@ -89,14 +93,18 @@ def find(
 
 
 def _find_now(lab: Lab, name: str, medium: str | None, patience: float) -> Object:
+    if name == BROKER and medium is None:
+        from gecos_idl.broker import Broker
+
+        return lab.broker(Broker, patience=patience)
     known = {entry.name: entry for entry in entries(lab, patience=patience)}
     entry = known.get(name)
     if entry is None:
-        raise _silence(lab, name) or not_online(name, list(known))
+        raise _silence(lab, name, patience) or not_online(name, list(known))
     try:
         return connect_to(lab, entry, medium=medium, patience=patience)
     except CreateError:
-        silence = _silence(lab, name)
+        silence = _silence(lab, name, patience)
         if silence is None:
             raise
         raise silence from None
@@ -162,10 +170,10 @@ def objects_here(lab: Lab, *, patience: float = 2.0) -> tuple[dict[str, Object],
     return found, silent
 
 
-def _silence(lab: Lab, name: str) -> CreateError | None:
+def _silence(lab: Lab, name: str, patience: float) -> CreateError | None:
     """Returns an error that says since when the broker has not heard the server of `name`, or None
     if the broker hears the server."""
-    found = (one for one in silent_objects(lab) if one.entry.name == name)
+    found = (one for one in silent_objects(lab, patience=patience) if one.entry.name == name)
     return next(map(silence_of, found), None)
 
 
@@ -189,7 +197,10 @@ def connect(
     object serves. The proxy has all members of the interface, or only the members named in `only`,
     which takes less time."""
     found = find(lab, name, medium=medium, patience=patience, wait=wait)
-    return lab.create(interface_of(found, only), name, medium=medium, patience=patience)
+    interface = interface_of(found, only)
+    if name == BROKER:
+        return lab.broker(interface, patience=patience)
+    return lab.create(interface, name, medium=medium, patience=patience)
 
 
 def interface_of(found: Object, only: Collection[str] | None = None) -> type[DynamicObject]:

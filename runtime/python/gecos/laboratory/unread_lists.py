@@ -21,7 +21,8 @@ class UnreadLists:
         watched = bool(laboratory.file) and not laboratory.names_users
         self._file = Path(laboratory.file).resolve() if watched else None
         self._shown = laboratory.file
-        self._seen = self._state()
+        # The first look reads the file, which may have been edited after it was read before.
+        self._seen: tuple[int, int] | None = None
 
     def appeared(self) -> str:
         """Returns what to tell when lists have appeared in the file; once, and else "". A file

@@ -7,14 +7,15 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from gecos.cli import refusal
 from gecos.cli.doctor.finding import Finding, fine, warning, wrong
 
-_REFUSED = "the broker refuses this program: "  # gecos/session/client/context.cpp
 _REQUEST = re.compile(r" \(request [0-9a-f-]+\)")
-_ADVICE = re.compile(  # of gecos/access/access_policy.cpp
-    r"(?:\] in (?P<file>\S+):\d+ does not name \w+ \S+)?; "
-    r'(?P<what>add "[^"]+" to its \w+|write .+ below \[allow\] in \S+)'
+_NOT_NAMED = re.compile(  # this and the next: of gecos/access/access_policy.cpp
+    r"(?:(?P<list>\[[^\]]+\] in \S+):\d+|(?P<of_program>the list in the program of the server).*) "
+    r'does not name .+; add (?P<name>"[^"]+") to its (?P<names>\w+)'
 )
+_NO_LIST = re.compile(r"; (?P<what>write .+ below \[allow\] in \S+)")
 _MEDIA = ("inproc", "lcm", "shm")  # an address begins with one of these words
 
 
@@ -61,9 +62,9 @@ def broker(answer: Answer, at: BrokerPlace, us: str) -> Finding:
     user and this host, as "anna@desk"."""
     place = str(at)
     if answer.reason is not None:
-        _, refused, refusal = answer.reason.partition(_REFUSED)
+        refused = refusal.of_broker(answer.reason)
         if refused:
-            return _refused(refusal, place)
+            return _refused(refused, place)
         what = f"no broker answers: {_tried(answer.reason)}"
         return wrong("broker", what, place, _mend(answer.reason, at, us))
     if not answer.ours:
@@ -102,19 +103,21 @@ def over_lcm(here: Answer, over_lcm: Answer) -> Finding | None:
     )
 
 
-def _refused(refusal: str, place: str) -> Finding:
+def _refused(why: str, place: str) -> Finding:
     """Returns the finding for a user whom a broker refuses. This user must not start another
     broker: it would be another laboratory, without objects."""
-    text = _REQUEST.sub("", refusal)
-    advice = _ADVICE.search(text)
-    mend = "admit this user" if advice is None else advice["what"]
-    file = None if advice is None else advice["file"]
-    return wrong(
-        "broker",
-        f"the broker refuses this user: {text}",
-        place,
-        f"ask the user of the broker to {mend}" + (f" in {file}" if file else ""),
-    )
+    text = _REQUEST.sub("", why)
+    mend = f"ask the user of the broker to {_admission(text)}"
+    return wrong("broker", f"the broker refuses this user: {text}", place, mend)
+
+
+def _admission(refusal: str) -> str:
+    """Returns what the user of the broker has to do to admit this user."""
+    if found := _NOT_NAMED.search(refusal):
+        names = found["list"] or "the list in the program of the broker"
+        return f"add {found['name']} to the {found['names']} of {names}"
+    found = _NO_LIST.search(refusal)
+    return "admit this user" if found is None else found["what"]
 
 
 def _mend(reason: str, at: BrokerPlace, us: str) -> str:
