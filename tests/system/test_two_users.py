@@ -1,6 +1,7 @@
 """Two users of one host, one admitted and one not. Both users and root are needed, so users other
 than root run these tests in a user namespace."""
 
+import json
 import os
 import socket
 import subprocess
@@ -57,6 +58,7 @@ def test_gecos_ls_of_a_visitor_shows_what_programs_in_python_admit_the_user_to(
         program = TREE / "tests" / "system" / "programs" / "visitor.py"
         broker = build / "runtime" / "cpp" / "gecos" / "broker" / "gecos-broker"
         ran = _run(environment, sys.executable, program, TREE / "tests" / "python", broker)
+        written = _run(environment, "cat", f"{folder}/audit/audit.jsonl")
     listed, named, refused, allowed, other, denied, advice = ran.splitlines()
     assert listed == "root: LAMP OTHER"
     assert named == "daemon: LAMP: a lamp"
@@ -72,6 +74,9 @@ def test_gecos_ls_of_a_visitor_shows_what_programs_in_python_admit_the_user_to(
     assert denied.startswith("bin: 5: denied: the broker refuses this program: shm:")
     assert "BROKER refuses user bin of host" in denied
     assert "whose server LAMP is, is not known, because the broker refuses this program" in denied
+    lines = [line for line in map(json.loads, written.splitlines()) if line["user"] == "daemon"]
+    events = [(line["object"], line["event"]) for line in lines]
+    assert events.count(("LAMP", "connected")) == 3  # two of `look`, one of `gecos policy test`
     assert advice.startswith('bin: ask the user of the broker to write users = ["bin"] below')
 
 

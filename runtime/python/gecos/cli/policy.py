@@ -61,9 +61,9 @@ def test(
     Decides by the lab file of this host. A list in the program of the server is not known here: if
     the file has a list for OBJECT, too, both must admit USER. If you are USER on HOST, also
     connects to OBJECT, whose answer counts. With OPERATION, asks OBJECT which status this operation
-    or attribute needs; the lab file has no influence on the status. Asking leaves a line in the
-    audit of OBJECT. Ends with 0 if USER is allowed, with 5 if not, and with 4 if the file allows
-    USER but OBJECT, which the broker lists, is not reached.
+    or attribute needs; the lab file has no influence on the status. Asking leaves lines
+    in the audits of OBJECT and the broker. Ends with 0 if USER is allowed, with 5 if not, and with
+    4 if the file allows USER but OBJECT, which the broker lists, is not reached.
     """
     import socket
 
