@@ -311,7 +311,7 @@ def test_members_of_the_broker_are_called_and_watched(
     lab: gecos.Lab, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for words, told in {
-        ("wait", "BROKER"): "BROKER: online\n",
+        ("wait", "BROKER", "--timeout", "1"): "BROKER: online\n",
         ("call", "BROKER", "list"): "[]\n",
         ("watch", "BROKER", "--timeout", "0.1"): "BROKER: nobody holds",
     }.items():
