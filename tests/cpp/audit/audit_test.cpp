@@ -81,7 +81,7 @@ TEST(Repeats, GiveTheFirstEventALineAndCountThoseOfTheNextSecond) {
 TEST(Repeats, DoNotMixClientsOperationsOrOutcomes) {
   Repeats repeats;
   repeats.begin({1, 2, 3}, command(7));
-  for (const Repeats::Key other : {Repeats::Key{9, 2, 3}, {1, 9, 3}, {1, 2, 9}}) {
+  for (const Repeats::Key& other : {Repeats::Key{9, 2, 3}, {1, 9, 3}, {1, 2, 9}}) {
     EXPECT_FALSE(repeats.count(other, 8));
   }
   EXPECT_TRUE(repeats.due(5000).empty()) << "nothing was repeated";
@@ -115,7 +115,7 @@ std::size_t lines_in_an_hour(std::int64_t pause) {
       told += line.count;
     }
   }
-  for (const Line& line : repeats.all()) told += line.count;
+  for (const Line& line : repeats.all(3'600'000)) told += line.count;
   EXPECT_EQ(told, happened) << "each event is in one line";
   return lines;
 }
@@ -154,6 +154,38 @@ TEST(Repeats, InGrowingWindowsLoseNothingWhenTheClockIsSetBack) {
   EXPECT_TRUE(repeats.count({}, 9));
   EXPECT_TRUE(repeats.due(1009).empty());
   EXPECT_EQ(repeats.due(2010).size(), 1u);
+}
+
+TEST(Repeats, TellOfTheTimeUntilWhichTheyCounted) {
+  Repeats repeats;
+  repeats.begin({}, command(7, 5000), Repeats::Window::Growing);
+  EXPECT_TRUE(repeats.count({}, 8));
+  const auto rest = repeats.all(5900);
+  ASSERT_EQ(rest.size(), 1u);
+  EXPECT_EQ(rest[0].time, 5900);
+}
+
+TEST(Repeats, OfKindsThatAreCountedAtOneTimeEndEachInItsOrder) {
+  Repeats repeats;
+  repeats.begin({1, 0, 0}, command(1, 1000));
+  repeats.begin({2, 0, 0}, command(1, 1500));
+  for (const std::uint64_t kind : {1, 2}) EXPECT_TRUE(repeats.count({kind, 0, 0}, 2));
+  EXPECT_EQ(repeats.due(2000).size(), 1u);
+  EXPECT_FALSE(repeats.count({1, 0, 0}, 3)) << "its window is over";
+  repeats.begin({3, 0, 0}, command(1, 2500));
+  for (const std::uint64_t counter : {2, 3}) EXPECT_TRUE(repeats.count({3, 0, 0}, counter));
+  EXPECT_EQ(repeats.due(2500).size(), 1u);
+  EXPECT_TRUE(repeats.due(3499).empty());
+  const auto due = repeats.due(3500);
+  ASSERT_EQ(due.size(), 1u);
+  EXPECT_EQ(due[0].count, 2u);
+}
+
+TEST(Repeats, CompareTheTextOfAKeyWhateverItsNumbersAre) {
+  Repeats repeats;
+  repeats.begin({0, 5, 0, "one"}, command(7));
+  EXPECT_FALSE(repeats.count({0, 5, 0, "other"}, 8));
+  EXPECT_TRUE(repeats.count({0, 5, 0, "one"}, 8));
 }
 
 class JournalTest : public ::testing::Test {

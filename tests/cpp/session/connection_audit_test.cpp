@@ -6,7 +6,6 @@
 #include <fstream>
 
 #include "../media/scratch_directory.hpp"
-#include "gecos/session/server/ask_pause.hpp"
 
 namespace gecos::session {
 namespace {
@@ -32,13 +31,18 @@ class RefusedConnections : public ::testing::Test {
   }
   /// Ends the audit, and returns its lines about `user`.
   std::vector<std::string> lines_about(const std::string& user) {
+    auto lines = all_lines();
+    std::erase_if(lines, [&](const std::string& line) {
+      return line.find("\"user\":\"" + user + "\"") == std::string::npos;
+    });
+    return lines;
+  }
+  std::vector<std::string> all_lines() {
     connections_.end();
     audit_->end();
     std::ifstream file(folder_.path() + "/audit.jsonl");
     std::vector<std::string> lines;
-    for (std::string line; std::getline(file, line);) {
-      if (line.find("\"user\":\"" + user + "\"") != std::string::npos) lines.push_back(line);
-    }
+    for (std::string line; std::getline(file, line);) lines.push_back(line);
     return lines;
   }
 
@@ -66,8 +70,8 @@ TEST_F(RefusedConnections, OfOneUserDoNotHideThoseOfAnotherOrOfAnotherReason) {
 
 TEST_F(RefusedConnections, OfTwoUsersHaveNumbersOfWhichALineThatCountsTellsApart) {
   const auto user_part = [](const std::string& text) {
-    const auto begin = text.find('-', text.find("(request ")) + 1;
-    return text.substr(begin, text.find('-', begin) - begin);
+    const auto at = text.find('-', text.find("(request ")) + 1;
+    return text.substr(at, text.find('-', at) - at);
   };
   const std::string first = refuse("ben");
   const std::string other = refuse("ann");
@@ -86,15 +90,44 @@ TEST_F(RefusedConnections, ThatWaitToBeCountedAreWrittenAtTheEnd) {
   EXPECT_NE(lines[1].find("\"count\":2"), std::string::npos) << lines[1];
 }
 
-TEST(AskPause, GrowsToTwoSecondsWhileTheBrokerRefusesAServer) {
-  AskPause pause;
-  EXPECT_EQ(pause.after(Asked::NotRefused), 200ms);
-  EXPECT_EQ(pause.after(Asked::NotRefused), 200ms);
-  EXPECT_EQ(pause.after(Asked::Refused), 400ms);
-  EXPECT_EQ(pause.after(Asked::Refused), 800ms);
-  for (int i = 0; i < 1000; ++i) pause.after(Asked::Refused);
-  EXPECT_EQ(pause.after(Asked::Refused), 2s);
-  EXPECT_EQ(pause.after(Asked::NotRefused), 200ms) << "a broker that is restarted is found at once";
+TEST_F(RefusedConnections, OfManyUsersShareLinesWhenThereAreTooMany) {
+  const std::int64_t end = fake_now + std::chrono::milliseconds(1h).count();
+  int user = 0;
+  for (; fake_now < end; fake_now += 50) {
+    refuse("user" + std::to_string(user++));
+    if (user % 20 == 0) connections_.on_tick();
+  }
+  refuse("ben");
+  EXPECT_EQ(lines_about("ben").size(), 0u) << "only counted";
+  const auto counted = lines_about("several users");
+  EXPECT_LE(counted.size(), 6u + 60u);
+  EXPECT_GE(counted.size(), 60u);
+  for (const auto& line : counted) {
+    EXPECT_EQ(line.find("\"object\""), std::string::npos) << line;
+    EXPECT_EQ(line.find("\"why\""), std::string::npos) << line;
+  }
+  EXPECT_LE(all_lines().size(), audit::SharedLines::most_kinds + 1u + 6u + 60u);
+}
+
+TEST_F(RefusedConnections, OfOneUserAreToldApartAgainWhenThereAreFewForAMinute) {
+  for (int user = 0; user < 1000; ++user) refuse("user" + std::to_string(user));
+  const std::int64_t end = fake_now + std::chrono::milliseconds(3min).count();
+  for (; fake_now < end; fake_now += 1000) connections_.on_tick();
+  refuse("ben");
+  EXPECT_EQ(lines_about("ben").size(), 1u);
+}
+
+TEST_F(RefusedConnections, ThatAreCountedForSeveralUsersHaveNumbersOfTheirLine) {
+  const auto part = [](const std::string& text) {
+    const auto at = text.find('-', text.find("(request ")) + 1;
+    return text.substr(at, text.find('-', at) - at);
+  };
+  for (int user = 0; user < 1000; ++user) refuse("user" + std::to_string(user));
+  EXPECT_EQ(part(refuse("ann")), part(refuse("ben")));
+  const auto lines = lines_about("several users");
+  ASSERT_EQ(lines.size(), 1u);
+  const std::string number = "-" + part(refuse("ann")) + "-";
+  EXPECT_NE(lines[0].find(number), std::string::npos) << lines[0];
 }
 
 }  // namespace

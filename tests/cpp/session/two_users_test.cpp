@@ -78,6 +78,7 @@ void serve_own(Child::Line& line) {
   probe::ProbeServant one;
   probe::ProbeServant other;
   gecos::Server server{lab};
+  server.allow({"bin"});
   std::string logged;
   for (const auto& [name, servant] : {std::pair("OWN", &one), std::pair("OWN2", &other)}) {
     const auto added = server.add(name, *servant, {.media = {gecos::media::Kind::Shm}});
@@ -313,7 +314,7 @@ TEST_F(TwoUsersOfOneHost, ABrokenEditChangesNothingAndIsReportedOnceWithItsLine)
   EXPECT_NE(logged.find("or write an empty one to take all its lists back"), std::string::npos);
 }
 
-TEST_F(TwoUsersOfOneHost, AServerOfAUserWhomNoOtherReachesOverShmSaysSoOnceAndItsClientsAreTold) {
+TEST_F(TwoUsersOfOneHost, AServerThatAdmitsWhoCannotReachItOverShmSaysSoOnceAndItsClientsAreTold) {
   place.write("[objects.BROKER.allow]\nusers = [\"*\"]\n");
   const Laboratory laboratory;
   daemon.line().say("serve");

@@ -37,6 +37,12 @@ class VisitorCalls : public ServedObjects {
     return found;
   }
   std::vector<std::string> commands_in_audit() { return in_audit("command"); }
+  /// The number at the end of the last refusal.
+  std::string number_told() {
+    const std::string text = failure();
+    const auto at = text.rfind("(request ") + 9;
+    return text.substr(at, text.size() - at - 1);
+  }
   ObjectStats stats() {
     user_.reset();
     connect();
@@ -104,8 +110,51 @@ TEST_F(VisitorCalls, ThatAreRefusedSayWhichListWouldAllowThem) {
   EXPECT_EQ(failure(),
             "'read' of PROBE was not started: user ada of host desk is a visitor here, who may "
             "only look for the objects whose programs admit this user; name the user in "
-            "[objects.PROBE.allow] of the lab file, beside all others who may use PROBE" +
-                named_request(session_->id(), 1));
+            "[objects.PROBE.allow] of the lab file, beside all others who may use PROBE (request " +
+                number_told() + ")");
+}
+
+TEST_F(VisitorCalls, OfTwoSessionsHaveNumbersThatTheAuditFinds) {
+  call(1, probe::read_code);
+  const std::string first = number_told();
+  connect();
+  call(1, probe::read_code);
+  const std::string second = number_told();
+  connect();
+  call(1, probe::read_code);
+  const std::string third = number_told();
+  EXPECT_NE(first, second);
+  const auto lines = commands_in_audit();
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_NE(lines[0].find("\"request\":\"" + first + "\""), std::string::npos) << lines[0];
+  EXPECT_NE(lines[1].find("\"request\":\"" + second + "\""), std::string::npos) << lines[1];
+  EXPECT_NE(lines[1].find("\"last_request\":\"" + third + "\""), std::string::npos) << lines[1];
+}
+
+TEST_F(VisitorCalls, ThatAreOnlyCountedAreSaidToBeOfNoProgram) {
+  for (std::uint64_t i = 1; i <= 3; ++i) call(i, probe::read_code);
+  const auto lines = commands_in_audit();
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_NE(lines[0].find("\"pid\":"), std::string::npos) << lines[0];
+  EXPECT_EQ(lines[1].find("\"pid\":"), std::string::npos) << lines[1];
+  EXPECT_EQ(lines[1].find("\"program\":"), std::string::npos) << lines[1];
+}
+
+TEST_F(VisitorCalls, InSessionsThatEndForSeveralReasonsAddALineOfEachReason) {
+  for (const auto how : {ObjectHost::Departure::InOrder, ObjectHost::Departure::Lost}) {
+    for (int i = 0; i < 3; ++i) {
+      object_->depart(session_, how);
+      connect();
+    }
+  }
+  const auto ends = in_audit("disconnected");
+  const auto of = [&](const std::string& why) {
+    return std::ranges::count_if(
+        ends, [&](const auto& line) { return line.find(why) != std::string::npos; });
+  };
+  for (const auto& line : ends) SCOPED_TRACE(line);
+  EXPECT_GE(ends.size(), 4u);
+  EXPECT_EQ(of("\"count\":2"), 2) << "of each reason the first one and the others";
 }
 
 TEST_F(VisitorCalls, ThatAreRefusedAreCounted) {

@@ -10,9 +10,10 @@
 /// A line contains no argument of a call and no result, so that no password can be in it.
 namespace gecos::audit {
 
-/// The number of one request, as in CommandId: a call, or a connection that was refused. A refused
-/// connection has no session: `session` is a number for its user, its object and the reason, and
-/// `counter` counts the refusals of the process.
+/// The number of one request, as in CommandId: a call, or a connection that was refused. For a
+/// refused connection, and for a call that was refused to a visitor, `session` is instead a number
+/// for the user, the object and the reason, and `counter` counts such refusals of the server or of
+/// the object.
 struct RequestId {
   std::uint64_t incarnation = 0;  ///< of the server's process
   std::uint64_t session = 0;

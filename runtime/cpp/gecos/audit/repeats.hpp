@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,8 +16,8 @@ namespace gecos::audit {
 /// line.
 ///
 /// Events that a user who is not admitted can cause without end are counted in windows that grow
-/// (Window::Growing): the lines after the first one count the events of 1, 2, 4, 8, 16 and 32 s,
-/// and then of one minute each, until there was no such event for a minute.
+/// (Window::Growing; SharedLines uses them): the lines after the first one count the events of 1,
+/// 2, 4, 8, 16 and 32 s, and then of one minute each, until there was no such event for a minute.
 ///
 /// The caller passes the time. Only one thread at a time may use this class. `count` allocates and
 /// formats nothing.
@@ -31,11 +33,12 @@ class Repeats {
   /// Every other event gets a line of its own.
   explicit Repeats(std::size_t most_kinds = most) : most_(most_kinds) {}
 
-  /// The members in which two events of one object must agree to count as equal.
+  /// The members in which two events must agree to count as equal.
   struct Key {
     std::uint64_t session = 0;
     std::uint64_t code = 0;
     std::uint8_t outcome = 0;
+    std::string text{};
     friend bool operator==(const Key&, const Key&) = default;
   };
 
@@ -48,21 +51,30 @@ class Repeats {
   /// Returns a line with the count for each event that was repeated and whose window is over.
   std::vector<Line> due(std::int64_t now);
   /// Returns a line with the count for each event that was repeated, even if its window is not
-  /// over.
-  std::vector<Line> all();
+  /// over, and forgets all events.
+  std::vector<Line> all(std::int64_t now);
+  /// Returns how many different events are counted now.
+  std::size_t kinds() const { return keys_.size(); }
 
  private:
   struct Run {
-    Key key;
     Line line;  ///< its `request` becomes that of the first repetition
     Window window = Window::OneSecond;
     std::int64_t length = window_ms;  ///< of the window that began at the time of `line`
+    /// Returns when `due` must look at this run again.
+    std::int64_t due() const;
   };
   /// Adds the line of `run` to `lines` if there were repetitions. Returns whether `run` has ended.
   static bool end_window(Run& run, std::int64_t now, std::vector<Line>& lines);
+  void note_times(const Run& run);
 
   const std::size_t most_;
-  std::vector<Run> runs_;
+  std::vector<Key> keys_;  ///< apart from the runs, so that `count` searches little memory
+  std::vector<Run> runs_;  ///< of the keys at the same places
+  /// Until this time no window is over.
+  std::int64_t next_due_ = std::numeric_limits<std::int64_t>::max();
+  /// When the newest window began. An earlier time means that the clock was set back.
+  std::int64_t newest_ = std::numeric_limits<std::int64_t>::min();
 };
 
 }  // namespace gecos::audit

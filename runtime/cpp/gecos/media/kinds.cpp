@@ -95,6 +95,8 @@ bool open_to_this_user(std::string_view identity) {
 
 bool open_to_other_users() { return shm::open_to_all_users(shm::default_runtime_directory()); }
 
+bool serves_all_users(std::string_view user) { return shm::serves_the_host(user); }
+
 bool share_memory(std::string_view one, std::string_view other) {
   return one == other && !boot_of(one).empty() && !one.ends_with('/');
 }

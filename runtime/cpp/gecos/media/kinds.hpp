@@ -69,6 +69,13 @@ bool open_to_this_user(std::string_view identity);
 /// as root or as `gecos`, and its runtime directory is open to all users.
 bool open_to_other_users();
 
+/// The programs of all users reach these servers over shm; see serves_all_users.
+inline constexpr std::string_view servers_of_all_users = "servers of root and of gecos";
+
+/// Returns whether `user` is one of the users whose servers can be open to the programs of all
+/// users: root or `gecos`.
+bool serves_all_users(std::string_view user);
+
 /// Returns whether programs with these host identities can reach each other over shm, because they
 /// have one runtime directory.
 bool share_memory(std::string_view one, std::string_view other);

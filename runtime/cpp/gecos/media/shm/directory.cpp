@@ -59,12 +59,15 @@ std::string parent_of(const std::string& directory) {
   return std::filesystem::path(directory).parent_path().string();
 }
 
+constexpr const char* name_of_gecos = "gecos";
+
 /// Returns the number of the user `gecos`; no value when there is no such user.
 std::optional<std::uint32_t> user_gecos() {
   passwd entry{};
   passwd* found = nullptr;
   std::array<char, 4096> text;
-  if (::getpwnam_r("gecos", &entry, text.data(), text.size(), &found) != 0 || found == nullptr) {
+  if (::getpwnam_r(name_of_gecos, &entry, text.data(), text.size(), &found) != 0 ||
+      found == nullptr) {
     return std::nullopt;
   }
   return entry.pw_uid;
@@ -92,6 +95,7 @@ std::string default_runtime_directory() {
 }
 
 bool serves_the_host(std::uint32_t uid) { return uid == 0 || uid == user_gecos(); }
+bool serves_the_host(std::string_view user) { return user == "root" || user == name_of_gecos; }
 
 bool open_to_all_users(const std::string& directory) {
   const std::uint32_t user = ::geteuid();

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gecos/base/descriptor.hpp"
@@ -20,6 +21,8 @@ std::string default_runtime_directory();
 /// that, the programs of these two users serve all users of the host, and the programs of other
 /// users trust them.
 bool serves_the_host(std::uint32_t uid);
+/// The same for a user by name. The name need not be known on this host.
+bool serves_the_host(std::string_view user);
 
 /// Returns whether the programs of all users can reach the sockets in `directory`, a directory of
 /// this user. They can if this user is root or `gecos`, and `directory` is this user's folder in a

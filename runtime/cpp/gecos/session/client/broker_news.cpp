@@ -21,8 +21,8 @@ BrokerNews::Heard BrokerNews::subscribe(TimePoint deadline) {
   const auto found = lab_->broker(now() + patience);
   if (!found) {
     lab_->closed_by(std::min(deadline, now() + pause_));
-    pause_ =
-        std::min(pause_ * 2, found.error().refused ? longest_pause_when_refused : longest_pause);
+    const bool refused = found.error().answer == BrokerAnswer::Refused;
+    pause_ = std::min(pause_ * 2, refused ? longest_pause_when_refused : longest_pause);
     return Heard::Nothing;
   }
   broker_ = *found;

@@ -157,7 +157,8 @@ tl::expected<std::shared_ptr<ClientConnection>, NoBroker> Context::look_for_brok
     if (!expected) append(tried, session.error());
   }
   if (!refused.empty()) {
-    return tl::unexpected(NoBroker{"the broker refuses this program: " + refused, true});
+    return tl::unexpected(
+        NoBroker{"the broker refuses this program: " + refused, BrokerAnswer::Refused});
   }
   if (!named->place.empty()) append(tried, named->place + " names this address");
   return tl::unexpected(NoBroker{

@@ -8,6 +8,7 @@
 #include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/lab_file_broker.hpp"
 #include "gecos/session/process/runtime.hpp"
+#include "gecos/session/protocol/broker_answer.hpp"
 
 namespace gecos::session {
 
@@ -17,8 +18,7 @@ class Failover;
 /// Why there is no session with a broker.
 struct NoBroker {
   std::string text;  ///< the addresses that were tried, and why each failed
-  /// A broker answers, but does not admit this program.
-  bool refused = false;
+  BrokerAnswer answer = BrokerAnswer::Other;
 };
 
 /// The part of a lab that its servers and clients share: the runtime, and the session with the

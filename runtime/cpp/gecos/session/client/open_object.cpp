@@ -42,7 +42,6 @@ class ObjectConnector {
               std::optional<media::Kind> without = {}) const {
     Selection selection(*lab_.runtime(), entry_, demanded(), only, without);
     const std::vector<Route> routes = selection.best_first();
-    const std::string left_out = selection.left_out();
     Attempt failed{name_, Detail::NoServer, {}};
     bool unsuitable = routes.empty();
     for (Route route : routes) {
@@ -65,6 +64,7 @@ class ObjectConnector {
       return tl::unexpected(
           Attempt{name_, Detail::QosUnavailable, channel + " " + selection.why_none()});
     }
+    const std::string& left_out = selection.left_out();
     failed.reason = channel + " cannot be reached" + (without ? " over another medium (" : " (") +
                     failed.reason + (left_out.empty() ? "" : "; " + left_out) + ")";
     return tl::unexpected(std::move(failed));

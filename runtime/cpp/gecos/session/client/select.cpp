@@ -39,10 +39,10 @@ std::string out_of_shared_memory(Runtime& runtime, const Entry& entry, media::Ki
     return "the object is on another host (" + entry.hostname + ")";
   }
   if (const auto opened = runtime.medium(kind); !opened) return opened.error().text;
-  const bool closed = entry.user != "root" && entry.user != "gecos";  // to other users
+  const bool closed = !media::serves_all_users(entry.user);
   if (closed && !entry.user.empty() && entry.user != user_name(::geteuid())) {
-    return "its server runs as " + entry.user +
-           "; programs of other users reach only servers of root and of gecos over shm";
+    return "its server runs as " + entry.user + "; programs of other users reach only " +
+           std::string(media::servers_of_all_users) + " over shm";
   }
   return "the object is on this host, but in another runtime directory (" + address +
          "): for shm, both programs must run as one user with the same GECOS_RUNTIME_DIR";
@@ -70,6 +70,11 @@ std::string offered(const Entry& entry) {
     media += (media.empty() ? "" : ", ") + medium_of(address);
   }
   return media.empty() ? "none" : media;
+}
+
+/// Adds the medium of `address` and why it is not used to `media`: "shm: it is on another host".
+void add_medium(std::string& media, const std::string& address, const std::string& why) {
+  media += (media.empty() ? "" : "; ") + medium_of(address) + ": " + why;
 }
 
 std::vector<qos::LineCapabilities> lines_of(const std::vector<Route>& routes) {
@@ -137,7 +142,7 @@ Selection::Selection(Runtime& runtime, const Entry& entry, const qos::Quality& d
     } else {
       pass_over(address, line.error());
       if (kind && media::reach_of(*kind) == media::Reach::Process) continue;
-      left_out_ += (left_out_.empty() ? "" : "; ") + medium_of(address) + ": " + line.error();
+      add_medium(left_out_, address, line.error());
     }
   }
 }
@@ -161,7 +166,7 @@ void Selection::not_reached(const Route& route, const std::string& why) {
 }
 
 void Selection::pass_over(const std::string& address, const std::string& why) {
-  passed_over_ += (passed_over_.empty() ? "" : "; ") + medium_of(address) + ": " + why;
+  add_medium(passed_over_, address, why);
 }
 
 std::string Selection::why_none() const {

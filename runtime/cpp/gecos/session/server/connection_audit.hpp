@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "gecos/audit/audit.hpp"
-#include "gecos/audit/repeats.hpp"
+#include "gecos/audit/shared_lines.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/session/server/access_control.hpp"
 
@@ -17,12 +17,12 @@ namespace gecos::session {
 ///
 /// A user can connect again and again, whether admitted or not. Therefore the refusals of one user
 /// at one object, for one reason, and the admissions of one visitor share lines, whatever the
-/// client does: about one a minute (audit::Repeats::Window::Growing).
+/// client does: about one a minute (audit::SharedLines).
 class ConnectionAudit {
  public:
   /// `now`: the time of the lines, as audit::now.
   explicit ConnectionAudit(std::shared_ptr<audit::Audit> audit, std::int64_t (*now)() = audit::now)
-      : now_(now), audit_(std::move(audit)) {}
+      : now_(now), lines_("", audit), audit_(std::move(audit)) {}
   ~ConnectionAudit() { end(); }
   ConnectionAudit(const ConnectionAudit&) = delete;
   ConnectionAudit& operator=(const ConnectionAudit&) = delete;
@@ -41,17 +41,12 @@ class ConnectionAudit {
   void end();
 
  private:
-  /// The number of users, objects and reasons whose refusals are counted at the same time.
-  static constexpr std::size_t most_kinds = 1024;
-
   audit::Line line_about(std::string_view event, const std::string& object,
                          const AccessControl::Judgement& judgement) const;
-  /// Writes the line, or counts it if there was an equal one. `key`: of key_of(entry).
-  void add_or_count(const audit::Repeats::Key& key, audit::Line entry) GECOS_REQUIRES(mutex_);
 
   std::int64_t (*const now_)();
   Mutex mutex_;
-  audit::Repeats repeats_ GECOS_GUARDED_BY(mutex_){most_kinds};
+  audit::SharedLines lines_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t refusals_ GECOS_GUARDED_BY(mutex_) = 0;
   const std::shared_ptr<audit::Audit> audit_;
 };

@@ -1,6 +1,5 @@
 #include "gecos/session/server/object_audit.hpp"
 
-#include <functional>
 #include <utility>
 
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
@@ -21,11 +20,12 @@ bool answered_by_handler(const ServerCall& call) {
   return call.state.begun_at() && call.state.phase() >= CallState::Phase::Answered;
 }
 
-/// A visitor may open sessions and invent operations without end, so equal events of all sessions
-/// of one visitor count as repetitions.
-audit::Repeats::Key key_of_visitor(std::string_view event, const access::UserAtHost& who) {
-  const std::string all = std::string(event) + '\0' + who.user + '\0' + who.host;
-  return {0, std::hash<std::string>()(all), 0};
+/// Returns the part of `entry` that the events of all sessions of one visitor share.
+audit::Line without_session(audit::Line entry) {
+  entry.program.clear();
+  entry.pid = 0;
+  entry.medium.clear();
+  return entry;
 }
 
 }  // namespace
@@ -63,12 +63,9 @@ void ObjectAudit::disconnected(const ServerSession& session, std::string_view be
 }
 
 void ObjectAudit::add_of_session(const ServerSession& session, audit::Line entry) {
-  const access::UserAtHost* const visitor = session.visit.visitor();
-  if (visitor == nullptr) return audit_->add(std::move(entry));
-  const audit::Repeats::Key key = key_of_visitor(entry.event, *visitor);
-  if (visitors_.count(key, 0)) return;
-  visitors_.begin(key, entry, audit::Repeats::Window::Growing);
-  audit_->add(std::move(entry));
+  if (session.visit.visitor() == nullptr) return audit_->add(std::move(entry));
+  audit::Line further = without_session(entry);
+  visitors_.add(std::move(entry), std::move(further));
 }
 
 void ObjectAudit::status(std::string_view event, const ServerSession& session,
@@ -81,9 +78,10 @@ void ObjectAudit::status(std::string_view event, const ServerSession& session,
 
 void ObjectAudit::status_refused(const ServerSession& session, std::uint64_t counter,
                                  std::string_view status, const std::string& why) {
+  if (!audit_) return;
   const audit::Repeats::Key key{number(session.id()), number(GecosObjectInterface::acquire.code),
                                 static_cast<std::uint8_t>(Detail::Denied)};
-  if (!audit_ || repeats_.count(key, counter)) return;
+  if (repeats_.count(key, counter)) return;
   audit::Line entry = line("status_refused", session.caller(), counter);
   entry.status = status;
   entry.why = why;
@@ -91,8 +89,9 @@ void ObjectAudit::status_refused(const ServerSession& session, std::uint64_t cou
 }
 
 void ObjectAudit::stopped(const ServerSession& by, std::uint64_t counter) {
+  if (!audit_) return;
   const audit::Repeats::Key key{number(by.id()), number(GecosObjectInterface::stop.code), 0};
-  if (!audit_ || repeats_.count(key, counter)) return;
+  if (repeats_.count(key, counter)) return;
   begin(key, line("stopped", by.caller(), counter));
 }
 
@@ -125,20 +124,19 @@ void ObjectAudit::refused(const ServerSession& session, std::uint64_t counter, F
   if (audit_) command(session, counter, code, operation, failure.detail, failure.text);
 }
 
-void ObjectAudit::visitor_refused(const ServerSession& session, std::uint64_t counter,
-                                  std::string_view operation, const Failure& failure,
-                                  const std::string& because) {
-  const audit::Repeats::Key key = key_of_visitor("command", *session.visit.visitor());
-  if (!audit_ || visitors_.count(key, counter)) return;
-  audit::Line entry = line("command", session.caller(), counter);
+std::string ObjectAudit::visitor_refused(const ServerSession& session, std::uint64_t counter,
+                                         std::string_view operation, const Failure& failure,
+                                         const std::string& because) {
+  if (!audit_) return named_request(session.id(), counter);
+  audit::Line entry = line("command", session.caller(), ++visitor_refusals_);
   entry.outcome = to_string(failure.detail);
-  audit::Line further = entry;
+  audit::Line further = without_session(entry);
   entry.operation = operation;
   entry.why = failure.text;
   further.operation = "several operations";
   further.why = because;
-  visitors_.begin(key, further, audit::Repeats::Window::Growing);
-  audit_->add(std::move(entry));
+  const SessionId kind{visitors_.add(std::move(entry), std::move(further))};
+  return named_request(kind, visitor_refusals_);
 }
 
 void ObjectAudit::begins(const ServerCall& call) {
@@ -158,17 +156,15 @@ void ObjectAudit::ended(const ServerCall& call, Detail detail, const std::string
 
 void ObjectAudit::on_tick() {
   if (!audit_) return;
-  for (audit::Repeats* const each : {&repeats_, &visitors_}) {
-    for (audit::Line& repeated : each->due(audit::now())) audit_->add(std::move(repeated));
-  }
+  for (audit::Line& repeated : repeats_.due(audit::now())) audit_->add(std::move(repeated));
+  visitors_.on_tick(audit::now());
   audit_->flush();
 }
 
 void ObjectAudit::end() {
   if (!audit_) return;
-  for (audit::Repeats* const each : {&repeats_, &visitors_}) {
-    for (audit::Line& repeated : each->all()) audit_->add(std::move(repeated));
-  }
+  for (audit::Line& repeated : repeats_.all(audit::now())) audit_->add(std::move(repeated));
+  visitors_.end(audit::now());
 }
 
 }  // namespace gecos::session

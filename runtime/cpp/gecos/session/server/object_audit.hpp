@@ -7,6 +7,7 @@
 #include "gecos/access/lease_table.hpp"
 #include "gecos/audit/audit.hpp"
 #include "gecos/audit/repeats.hpp"
+#include "gecos/audit/shared_lines.hpp"
 #include "gecos/session/server/server_call.hpp"
 #include "gecos/session/server/server_session.hpp"
 
@@ -22,11 +23,11 @@ class ObjectAudit {
  public:
   /// `audit` may be null.
   ObjectAudit(std::string object, std::shared_ptr<audit::Audit> audit)
-      : object_(std::move(object)), audit_(std::move(audit)) {}
+      : object_(std::move(object)), audit_(std::move(audit)), visitors_(object_, audit_) {}
   ~ObjectAudit() { end(); }
 
-  /// The beginnings, and the ends, of the sessions of one visitor share lines, about one a minute
-  /// (audit::Repeats::Window::Growing).
+  /// The beginnings, and the ends for one reason, of the sessions of one visitor share lines, about
+  /// one a minute (audit::SharedLines).
   void connected(ServerSession& session);
   void disconnected(const ServerSession& session, std::string_view because);
 
@@ -46,11 +47,12 @@ class ObjectAudit {
                std::string_view operation, const Failure& failure);
   /// Records a call that was refused because its client is a visitor (access/visitors.hpp).
   /// Such calls of one visitor share lines like sessions, whatever their operations and sessions.
-  /// `because`: the part of the text of `failure` that is the same for each of these calls. @pre
-  /// the client of `session` is a visitor
-  void visitor_refused(const ServerSession& session, std::uint64_t counter,
-                       std::string_view operation, const Failure& failure,
-                       const std::string& because);
+  /// `because`: the part of the text of `failure` that is the same for each of these calls. Returns
+  /// the number of the refusal, like named_request. Calls in other sessions are counted in the same
+  /// line, so the number names no session. @pre the client of `session` is a visitor
+  std::string visitor_refused(const ServerSession& session, std::uint64_t counter,
+                              std::string_view operation, const Failure& failure,
+                              const std::string& because);
   /// Records that the handler of a command begins, if the command may take long.
   void begins(const ServerCall& call);
   void ended(const ServerCall& call, Detail detail, const std::string& text);
@@ -73,7 +75,8 @@ class ObjectAudit {
   const std::string object_;
   const std::shared_ptr<audit::Audit> audit_;
   audit::Repeats repeats_;
-  audit::Repeats visitors_{1024};  ///< what visitors repeat
+  audit::SharedLines visitors_;  ///< of visitors
+  std::uint64_t visitor_refusals_ = 0;
 };
 
 /// Returns the text that a refusal ends with, for example " (request 1a2b-3c4d-7)"; an empty text

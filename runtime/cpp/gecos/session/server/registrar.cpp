@@ -26,7 +26,6 @@ constexpr Duration patience = std::chrono::seconds(2);
 /// The time for which the registrar's thread waits for a broker. Actor commands wait for the same
 /// time, and are then refused because no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
-constexpr Duration between_tries = AskPause::shortest;
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
 /// A missing broker is not reported before this time has passed, because server and broker are
 /// often started together.
@@ -64,11 +63,14 @@ Registrar::Registrar(std::shared_ptr<Context> lab, std::shared_ptr<BrokerContact
 }
 
 tl::expected<void, std::string> Registrar::await_broker(TimePoint deadline) {
+  AskPause pause;
   for (;;) {
     const auto broker = lab_->broker(std::min(deadline, deadline_after(patience)));
     note_broker(broker ? std::string() : broker.error().text);
     if (broker) return {};
-    if (!rest(between_tries, deadline)) return tl::unexpected(broker.error().text);
+    if (!rest(pause.after(broker.error().answer), deadline)) {
+      return tl::unexpected(broker.error().text);
+    }
   }
 }
 
@@ -122,24 +124,26 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
       registration, deadline_after(std::max(patience, object->setup().options.patience)));
   if (!enlisted) return tl::unexpected(entry.name + " is not served: " + enlisted.error());
   const MutexLock lock(mutex_);
-  note_reach(registration.entry);
   registrations_.push_back(std::move(registration));
   const bool admits_others = renew(registrations_.back());
+  note_reach(registrations_.back());
   if (*enlisted > Duration::zero() || admits_others) ask_soon();
   return {};
 }
 
-/// A server that registers with the broker of another user is probably meant for that user, too.
-void Registrar::note_reach(const Entry& entry) {
-  if (noted_reach_ || !broker_ || media::open_to_other_users()) return;
+void Registrar::note_reach(const Registration& registration) {
+  const AdmittedNames& admitted = registration.admitted;
+  if (noted_reach_ || (admitted.users.empty() && admitted.hosts.empty())) return;
+  const Entry& entry = registration.entry;
+  if (!broker_ || media::open_to_other_users()) return;
   const auto broker_user = broker_->connection().peer().uid;
   if (!broker_user || *broker_user == ::geteuid() || !others_find(entry, *broker_)) return;
   noted_reach_ = true;
   log_warning("session",
               "this server runs as " + entry.user +
                   ", and its broker as another user: programs of other users reach its objects "
-                  "only over lcm, with an admitted key; over shm they reach only servers of root "
-                  "and of gecos");
+                  "only over lcm, with an admitted key; over shm they reach only " +
+                  std::string(media::servers_of_all_users));
 }
 
 /// Registers an object for the first time. Tries again when the broker is lost during the
@@ -149,10 +153,11 @@ void Registrar::note_reach(const Entry& entry) {
 /// loses the name before `deadline`.
 tl::expected<Duration, std::string> Registrar::register_first(Registration& registration,
                                                               TimePoint deadline) {
+  AskPause pause;
   for (;;) {
     const auto broker = find_broker(deadline);
     if (!broker) {
-      if (rest(between_tries, deadline)) continue;
+      if (rest(pause.after(broker.error().answer), deadline)) continue;
       return tl::unexpected(broker.error().text);
     }
     ObjectHost& object = *registration.object;
@@ -198,7 +203,10 @@ void Registrar::look() {
 void Registrar::renew_lists() {
   const MutexLock lock(mutex_);
   bool any = false;
-  for (auto& one : registrations_) any = renew(one) || any;
+  for (auto& one : registrations_) {
+    any = renew(one) || any;
+    note_reach(one);
+  }
   if (any) ask_soon();
 }
 
@@ -267,7 +275,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
   }
   note_broker(answers.missing);
 
-  const Duration again = pause_.after(answers.refused ? Asked::Refused : Asked::NotRefused);
+  const Duration again = pause_.after(answers.broker);
   Duration rest = answers.missing.empty() ? Duration::max() : again;
   std::string unreported;
   std::string news;  // `unreported` without the number of each refusal
@@ -301,7 +309,7 @@ Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& regist
   const auto broker = find_broker(deadline);
   if (!broker) {
     answers.missing = broker.error().text;
-    answers.refused = broker.error().refused;
+    answers.broker = broker.error().answer;
     answers.of_each.assign(registrations.size(),
                            tl::unexpected(NotRegistered{false, {}, true, answers.missing}));
     return answers;
@@ -336,9 +344,11 @@ tl::expected<Registrar::Broker, NoBroker> Registrar::find_broker(TimePoint deadl
     if (there) {
       found = *std::move(there);
     } else {  // if both fail, the first text says what to do
-      const bool refused = why == Detail::Refused || (!found && found.error().refused);
+      const auto answer = why == Detail::Refused ? BrokerAnswer::Refused
+                          : found                ? BrokerAnswer::Other
+                                                 : found.error().answer;
       found = tl::unexpected(
-          NoBroker{found ? std::move(there.error()) : std::move(found.error().text), refused});
+          NoBroker{found ? std::move(there.error()) : std::move(found.error().text), answer});
     }
   }
   if (!found) return found;

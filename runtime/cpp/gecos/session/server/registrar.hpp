@@ -60,9 +60,9 @@ class Registrar {
   void run();
   struct Answers {
     std::vector<tl::expected<Duration, NotRegistered>> of_each;
-    std::string missing;   ///< why no broker was found
-    bool refused = false;  ///< a broker was found, but does not admit this server
-    bool lost = false;     ///< the session with the broker was lost during the query
+    std::string missing;  ///< why no broker was found
+    BrokerAnswer broker = BrokerAnswer::Other;
+    bool lost = false;  ///< the session with the broker was lost during the query
   };
   /// Asks the broker about all names and passes the answers to the objects. Returns how long to
   /// wait before the broker is asked again; Duration::max() when the answers for all names are
@@ -77,9 +77,9 @@ class Registrar {
   Duration served_for(const Registration& registration) const;
   tl::expected<Duration, std::string> register_first(Registration& registration,
                                                      TimePoint deadline);
-  /// Logs a warning, once, if the broker is of another user, and programs of other users cannot
-  /// reach this server over shm.
-  void note_reach(const Entry& entry) GECOS_REQUIRES(mutex_);
+  /// Logs a warning, once, if this server admits others by the list of its program, the broker is
+  /// of another user, and programs of other users cannot reach this server over shm.
+  void note_reach(const Registration& registration) GECOS_REQUIRES(mutex_);
   /// Logs a warning, once, when no broker has answered for a while. `missing`: why no broker
   /// answers; empty when a broker answers.
   void note_broker(const std::string& missing);

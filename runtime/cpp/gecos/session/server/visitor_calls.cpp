@@ -67,12 +67,9 @@ bool refuse_visitor(const ObjectSetup& setup, CallStatistics& statistics, Server
       " is a visitor here, who may only look for the objects whose "
       "programs admit this user; name the user in [objects." +
       setup.name + ".allow] of the lab file, beside all others who may use " + setup.name;
-  const Failure refused{Detail::Denied,
-                        "'" + name + "' of " + setup.name + " was not started: " + because +
-                            named_request(session.id(), counter),
-                        {},
-                        {}};
-  setup.audit->visitor_refused(session, counter, name, refused, because);
+  Failure refused{
+      Detail::Denied, "'" + name + "' of " + setup.name + " was not started: " + because, {}, {}};
+  refused.text += setup.audit->visitor_refused(session, counter, name, refused, because);
   statistics.refused(session, is_builtin(code) ? nullptr : operation, refused.detail);
   session.reply(counter, refused);
   return true;
