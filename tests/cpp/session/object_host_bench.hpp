@@ -128,6 +128,7 @@ class ServedObjects : public ::testing::Test {
     session_ = std::make_shared<ServerSession>(std::move(connection), object_);
     Hello hello;
     hello.user = "ada";
+    hello.program = program_;
     hello.incarnation = incarnation_;
     hello.interface_name = "probe::Probe";
     wire::PacketHeader header;
@@ -243,6 +244,7 @@ class ServedObjects : public ::testing::Test {
   std::shared_ptr<ServerSession> session_;
   TestConnection* connection_ = nullptr;
   std::uint64_t acknowledged_ = 0;
+  std::string program_{};          ///< of the client, at the next connect()
   std::uint64_t incarnation_ = 0;  ///< of the client's program, at the next connect()
 };
 

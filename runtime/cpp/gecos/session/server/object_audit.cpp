@@ -20,8 +20,10 @@ bool answered_by_handler(const ServerCall& call) {
   return call.state.begun_at() && call.state.phase() >= CallState::Phase::Answered;
 }
 
-/// Returns the part of `entry` that the events of all sessions of one visitor share.
-audit::Line without_session(audit::Line entry) {
+/// Returns the part of `entry` that the events of all sessions of the visitor `who` share.
+audit::Line without_session(audit::Line entry, const access::UserAtHost& who) {
+  entry.user = who.user;
+  entry.host = who.host;
   entry.program.clear();
   entry.pid = 0;
   entry.medium.clear();
@@ -63,8 +65,9 @@ void ObjectAudit::disconnected(const ServerSession& session, std::string_view be
 }
 
 void ObjectAudit::add_of_session(const ServerSession& session, audit::Line entry) {
-  if (session.visit.visitor() == nullptr) return audit_->add(std::move(entry));
-  audit::Line further = without_session(entry);
+  const access::UserAtHost* const visitor = session.visit.visitor();
+  if (visitor == nullptr) return audit_->add(std::move(entry));
+  audit::Line further = without_session(entry, *visitor);
   visitors_.add(std::move(entry), std::move(further));
 }
 
@@ -130,7 +133,7 @@ std::string ObjectAudit::visitor_refused(const ServerSession& session, std::uint
   if (!audit_) return named_request(session.id(), counter);
   audit::Line entry = line("command", session.caller(), ++visitor_refusals_);
   entry.outcome = to_string(failure.detail);
-  audit::Line further = without_session(entry);
+  audit::Line further = without_session(entry, *session.visit.visitor());
   entry.operation = operation;
   entry.why = failure.text;
   further.operation = "several operations";
