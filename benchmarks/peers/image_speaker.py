@@ -41,7 +41,7 @@ def _images(next_image: Next, seconds: float) -> str:
     lost = 0
     asked = time.monotonic_ns()
     end = asked + int(seconds * 1e9)
-    while not readable or time.monotonic_ns() < end:
+    while time.monotonic_ns() < end if readable else lost < 10:
         octets, intact = next_image()
         arrived = time.monotonic_ns()
         number, begun, sent, before = STAMPS.unpack_from(octets)
