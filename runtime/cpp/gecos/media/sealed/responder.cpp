@@ -102,11 +102,11 @@ void HandshakeResponder::take_sealed(const DatagramHeader& header, ByteView data
     if (found != queues_.end()) {
       queue = found->second;
     } else {
-      refused_before = refused(header.client);
+      refused_before = refused_.again(header.client, options_.now());
       confirm(header, datagram);
     }
   }
-  if (refused_before && refusals_.take(options_.now())) tell(*refused_before);
+  if (refused_before) tell(*refused_before);
   if (queue == nullptr) return;
   queue->take(datagram.first(DatagramHeader::bytes), datagram.subspan(DatagramHeader::bytes),
               options_.now());
@@ -180,18 +180,22 @@ void HandshakeResponder::refuse(PendingPeer client, const std::string& why) {
   {
     const MutexLock lock(mutex_);
     queues_.erase(client.client);
-    if (refused_.size() == most_refused) refused_.pop_front();
-    refused_.push_back(refused);
+    refused_.add(refused);
   }
   tell(refused);
 }
 
-/// Returns what was told to `client`, if it was refused a moment ago.
-std::optional<HandshakeResponder::RefusedPeer> HandshakeResponder::refused(std::uint64_t client) {
-  const TimePoint now = options_.now();
-  while (!refused_.empty() && now - refused_.front().since >= refused_kept) refused_.pop_front();
-  const auto found = std::ranges::find(refused_, client, &RefusedPeer::client);
-  return found == refused_.end() ? std::nullopt : std::optional(*found);
+void HandshakeResponder::RefusedPeers::add(RefusedPeer peer) {
+  if (peers_.size() == most_refused) peers_.pop_front();
+  peers_.push_back(std::move(peer));
+}
+
+std::optional<HandshakeResponder::RefusedPeer> HandshakeResponder::RefusedPeers::again(
+    std::uint64_t client, TimePoint now) {
+  while (!peers_.empty() && now - peers_.front().since >= refused_kept) peers_.pop_front();
+  const auto found = std::ranges::find(peers_, client, &RefusedPeer::client);
+  if (found == peers_.end() || !repeats_.take(now)) return std::nullopt;
+  return *found;
 }
 
 /// Opens the port of the client for this datagram only: a refused client occupies no descriptor.

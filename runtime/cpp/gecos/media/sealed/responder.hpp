@@ -83,11 +83,21 @@ class HandshakeResponder {
     TimePoint since;
     std::shared_ptr<const Bytes> datagram;  ///< says why; sent as often as needed
   };
+  /// The clients that were refused in the last seconds.
+  class RefusedPeers {
+   public:
+    void add(RefusedPeer peer);
+    /// Returns `client` if it was refused a moment ago and is to be told again.
+    std::optional<RefusedPeer> again(std::uint64_t client, TimePoint now);
+
+   private:
+    std::list<RefusedPeer> peers_;  // oldest first
+    Budget repeats_{50};
+  };
   void take(ByteView datagram);
   void take_first(const DatagramHeader& header, ByteView datagram, TimePoint now);
   void take_sealed(const DatagramHeader& header, ByteView datagram);
   void confirm(const DatagramHeader& header, ByteView datagram) GECOS_REQUIRES(mutex_);
-  std::optional<RefusedPeer> refused(std::uint64_t client) GECOS_REQUIRES(mutex_);
   void tell(const RefusedPeer& refused) const;
   std::optional<crypto::KeyOwner> owner_of(const crypto::PublicKey& key) const;
   void answer(const DatagramHeader& to, DatagramKind kind, ByteView frame, TimePoint now);
@@ -101,13 +111,12 @@ class HandshakeResponder {
   // The following members are used only in take(), which the port calls from one thread at a time.
   crypto::HandshakeAcceptor handshakes_;
   Budget answers_{400};
-  Budget refusals_{50};
   Budget warnings_{1};
 
   const std::uint16_t stream_port_;
   Mutex mutex_;
   std::list<Unconfirmed> unconfirmed_ GECOS_GUARDED_BY(mutex_);  // oldest first
-  std::list<RefusedPeer> refused_ GECOS_GUARDED_BY(mutex_);      // oldest first
+  RefusedPeers refused_ GECOS_GUARDED_BY(mutex_);
   std::map<std::uint64_t, std::shared_ptr<ReceiveQueue>> queues_ GECOS_GUARDED_BY(mutex_);
   std::deque<PendingPeer> pending_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<DatagramPort> streams_ GECOS_GUARDED_BY(mutex_);
