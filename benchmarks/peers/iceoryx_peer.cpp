@@ -154,7 +154,7 @@ class IceoryxClient final : public PipeliningClient {
 const capro::ServiceDescription there{"bench-peers", "Topics", "there"};
 const capro::ServiceDescription back{"bench-peers", "Topics", "back"};
 
-/// One end of two topics. Whoever publishes keeps the last sample for a subscriber that is late.
+/// One end of a pair of topics: publishes on one of them, and subscribes to the other.
 class Topics {
  public:
   Topics(const capro::ServiceDescription& out, const capro::ServiceDescription& in)
@@ -211,7 +211,7 @@ void serve_images(char* program) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   start_runtime("server");
   popo::PublisherOptions options;
-  options.historyCapacity = 1;  // as ours: the newest image stays for whoever asks later
+  options.historyCapacity = 1;  // the newest image stays for late readers, as in our stream
   popo::Publisher<Image> publisher(camera_service, options);
   say_ready("iceoryx");
   for (images::Camera camera;;) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "gecos/access/access_policy.hpp"
 #include "gecos/base/whole_characters.hpp"
 
 namespace gecos::broker {
@@ -15,12 +16,12 @@ Entry object_named(const std::string& name) {
 
 TEST(Names, OfObjectsAreShortAndHarmless) {
   for (const auto& name : {std::string("RX90"), std::string("left arm"),
-                           std::string("Greifer \u00fc"), std::string(longest_name, 'A')}) {
+                           std::string("Greifer \u00fc"), std::string(access::longest_name, 'A')}) {
     EXPECT_EQ(why_not_listed(object_named(name), {}), "") << name;
   }
   for (const auto& name :
        {std::string(), std::string("BROKER"), std::string("A\n"), std::string("A\x1b[31m"),
-        std::string("A\x7f"), std::string(longest_name + 1, 'A')}) {
+        std::string("A\x7f"), std::string(access::longest_name + 1, 'A')}) {
     EXPECT_EQ(why_not_listed(object_named(name), {}),
               "the name of an object has 1 to 256 bytes without control characters, and is not "
               "BROKER; give the object another name")
@@ -29,7 +30,7 @@ TEST(Names, OfObjectsAreShortAndHarmless) {
 }
 
 TEST(Names, OfAdmittedUsersAndHostsAreShortAndHarmless) {
-  const std::string fits(longest_name, 'a');
+  const std::string fits(access::longest_name, 'a');
   EXPECT_EQ(why_not_listed(object_named("RX90"), AdmittedNames{1, {fits, "*"}, {fits}}), "");
   for (const auto& [name, fault] :
        {std::pair(fits + "a", "has more than 256 bytes"), std::pair(std::string(), "is empty"),

@@ -10,8 +10,8 @@
 #include "../robcl/allocations.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
+#include "idle_camera.hpp"
 #include "images/camera_client.hpp"
-#include "images/camera_server.hpp"
 
 namespace {
 
@@ -19,14 +19,7 @@ using namespace std::chrono_literals;
 using gecos::media::Kind;
 using images::Image;
 
-class Camera final : public images::CameraServant {
- protected:
-  gecos::Result<Image> picture() override { return Image{}; }
-  gecos::Result<images::Sweep> scan() override { return images::Sweep{}; }
-  gecos::Result<images::Frame> still() override { return images::Frame{}; }
-  gecos::Result<images::Dump> raw() override { return images::Dump{}; }
-  gecos::Result<images::Stereo> both() override { return images::Stereo{}; }
-};
+using Camera = images::IdleCamera;
 
 class Images : public ::testing::TestWithParam<Kind> {
  protected:

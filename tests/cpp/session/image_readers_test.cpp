@@ -9,11 +9,11 @@
 #include <sstream>
 #include <thread>
 
+#include "../generated/idle_camera.hpp"
 #include "../media/kind_names.hpp"
 #include "child.hpp"
 #include "gecos/gecos.hpp"
 #include "images/camera_client.hpp"
-#include "images/camera_server.hpp"
 #include "place.hpp"
 
 namespace {
@@ -25,7 +25,7 @@ using images::Image;
 constexpr std::uint16_t last_picture = 400;
 constexpr std::size_t octets = 50'000;
 
-class Camera final : public images::CameraServant {
+class Camera final : public images::IdleCamera {
  public:
   /// Returns where the octets of the picture were written; nullptr if it was not lent or sent.
   const std::uint8_t* show(std::uint16_t number) {
@@ -35,13 +35,6 @@ class Camera final : public images::CameraServant {
     const std::uint8_t* const written = loan.octets().data();
     return loan.publish() ? written : nullptr;
   }
-
- protected:
-  gecos::Result<Image> picture() override { return Image{}; }
-  gecos::Result<images::Sweep> scan() override { return images::Sweep{}; }
-  gecos::Result<images::Frame> still() override { return images::Frame{}; }
-  gecos::Result<images::Dump> raw() override { return images::Dump{}; }
-  gecos::Result<images::Stereo> both() override { return images::Stereo{}; }
 };
 
 /// Returns which file has the memory at `address`, and at which offset.

@@ -49,7 +49,7 @@ pub fn serve(how: &str) -> Result<(), Failure> {
     let service = node
         .service_builder(&name.as_str().try_into()?)
         .publish_subscribe::<Image>()
-        .history_size(1) // as ours: the newest image stays for whoever asks later
+        .history_size(1) // the newest image stays for late readers, as in our stream
         .subscriber_max_buffer_size(1)
         .create()?;
     let publisher = service.publisher_builder().create()?;

@@ -25,11 +25,11 @@ struct UserAtHost {
 /// The entry of an AllowList that stands for every name. A list with this entry has no other entry.
 inline constexpr std::string_view everyone = "*";
 
-/// The longest name of a user or of a host in a list, in bytes.
+/// The longest name of a user or of a host in a list, and of an object, in bytes.
 inline constexpr std::size_t longest_name = 256;
 
-/// Returns why a list cannot have `name`, to be read after "a name "; an empty text if it can. @pre
-/// `name` is UTF-8
+/// Returns why no user, host or object can have `name` here, to be read after "a name "; an empty
+/// text if it can. @pre `name` is UTF-8
 std::string_view fault_of_name(std::string_view name);
 
 /// The users and hosts that may connect to a server, in addition to the user and the host of the

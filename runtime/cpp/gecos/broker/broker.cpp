@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "gecos/access/access_policy.hpp"
 #include "gecos/base/log.hpp"
 #include "gecos/base/seconds.hpp"
 #include "gecos/base/thread.hpp"
@@ -243,7 +244,7 @@ Result<Entry> Broker::lookup(const std::string& name) {
   remove_ended();
   auto found = view().look_up(name);
   if (!found) {
-    found.error().name = whole_characters(name, longest_name);  // bounds the reply
+    found.error().name = whole_characters(name, access::longest_name);  // bounds the reply
     return tl::unexpected(Fault(found.error()));
   }
   return *std::move(found);

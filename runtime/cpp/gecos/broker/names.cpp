@@ -7,12 +7,9 @@
 namespace gecos::broker {
 
 std::string why_not_listed(const Entry& what, const std::optional<AdmittedNames>& admitted) {
-  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
-  const auto longest = std::to_string(longest_name) + " bytes";
-  if (what.name.empty() || what.name.size() > longest_name || what.name == access::broker_object ||
-      std::ranges::any_of(what.name, is_control)) {
-    return "the name of an object has 1 to " + longest +
-           " without control characters, and is not BROKER; give the object another name";
+  if (!access::fault_of_name(what.name).empty() || what.name == access::broker_object) {
+    return "the name of an object has 1 to " + std::to_string(access::longest_name) +
+           " bytes without control characters, and is not BROKER; give the object another name";
   }
   if (!admitted) return {};
   for (const auto* const names : {&admitted->users, &admitted->hosts}) {

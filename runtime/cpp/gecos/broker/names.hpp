@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -9,9 +8,6 @@
 /// Which names the broker lists, so that a registration takes little memory, and no name harms a
 /// terminal.
 namespace gecos::broker {
-
-/// The longest name of an object, in bytes.
-inline constexpr std::size_t longest_name = 256;
 
 /// Returns why the broker does not list `what`; an empty text if it does.
 std::string why_not_listed(const Entry& what, const std::optional<AdmittedNames>& admitted);
