@@ -7,16 +7,21 @@ import pickle
 import struct
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import pytest
 from gecos import wire
 from gecos.wire import DecodeError, DecodeProblem, Decoder, EncodeError, Fields, Parts
+from gecos.wire.plans import from_start
 from hypothesis import given
 from hypothesis import strategies as st
+from robcl.geometry_types import Vector
+from robcl.manipulator_types import Trajectory
+from robcl.six_axis_types import Joints
 
 
 class Mode(IntEnum):
@@ -306,3 +311,28 @@ def _path() -> str:
     from os import pathsep
 
     return pathsep.join(sys.path)
+
+
+def read_by(read: Callable[[bytes], Any], data: bytes) -> str:
+    try:
+        return repr(read(data))
+    except wire.DecodeError as error:
+        return f"{error.problem} at {error.offset} of {error.field}"
+
+
+@pytest.mark.parametrize(
+    "value",
+    [Reading(1.5, True, "laser"), Vector(1.5, -2.0, 3.25), Trajectory(), Joints(np.arange(6.0))],
+    ids=lambda value: type(value).__name__,
+)
+def test_the_bytes_of_a_reply_are_read_as_by_a_decoder(value: Any) -> None:
+    decode = type(value).decode
+    from_bytes = from_start(decode)
+    whole = wire.to_bytes(value)
+    for data in (
+        *(whole[:size] for size in range(len(whole))),
+        whole,
+        whole + b"more",
+        b"\xff" * 99,
+    ):
+        assert read_by(from_bytes, data) == read_by(lambda each: decode(Decoder(each)), data)

@@ -122,6 +122,19 @@ PyObject* call_decode(PyObject* self, PyObject* const* given, std::size_t count,
   return in_python(self, given, count, names);
 }
 
+/// Decodes a value from the beginning of bytes. Ignores the bytes after the value.
+PyObject* call_from_start(PyObject* self, PyObject* const* given, std::size_t count,
+                          PyObject* names) {
+  if (plain(count, names, 1) && PyBytes_CheckExact(given[0])) {
+    Source bytes;
+    bytes.open(given[0]);
+    Input from = bytes.all();
+    PyObject* const value = decoded(*reinterpret_cast<Callable*>(self)->plan, from);
+    if (value != nullptr) return value;
+  }
+  return in_python(self, given, count, names);
+}
+
 template <Frame frame>
 PyObject* call_to(PyObject* self, PyObject* const* given, std::size_t count, PyObject* names) {
   const Plan* const plan = plain(count, names, 1) ? plan_of(Py_TYPE(given[0])) : nullptr;
@@ -242,6 +255,11 @@ PyObject* encoding(const Plan& plan, PyObject* python) {
 
 PyObject* decoding(const Plan& plan, PyObject* python) {
   return made(class_method_type, call_decode, &plan, python);
+}
+
+PyObject* from_start(PyObject* decode, PyObject* python) {
+  if (Py_TYPE(decode) != class_method_type) return Py_NewRef(python);
+  return made(function_type, call_from_start, reinterpret_cast<Callable*>(decode)->plan, python);
 }
 
 PyObject* entry(const char* name, PyObject* python) {

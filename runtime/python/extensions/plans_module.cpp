@@ -34,6 +34,12 @@ NB_MODULE(_plans, module) {
       nb::arg("kind"), nb::arg("fingerprint"), nb::arg("members"), nb::arg("defaults"),
       nb::arg("open"), nb::arg("encode"), nb::arg("decode"));
   module.def(
+      "from_start",
+      [](nb::handle decode, nb::handle python) {
+        return owned(plans::from_start(decode.ptr(), python.ptr()));
+      },
+      nb::arg("decode"), nb::arg("python"));
+  module.def(
       "entry",
       [](const char* name, nb::handle python) { return owned(plans::entry(name, python.ptr())); },
       nb::arg("name"), nb::arg("python"));

@@ -118,7 +118,7 @@ class Command(TaskOf[T], Generic[T, F]):
                 raise TimeoutError(f"{self._name} is still running after {timeout} s")
             raise self._failure()
         try:
-            return self._method.result(Decoder(answer))
+            return self._method.decode_reply(answer)
         except DecodeError as error:
             raise CommandFailed(
                 Detail.FAULT, f"{self._name}: the reply does not decode: {error}"

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 from gecos.errors import DeadlineMissed, StreamLost, StreamRevoked
 from gecos.in_place import SampleInPlace
 from gecos.wire import DecodeError, Decoder
+from gecos.wire.plans import from_start
 
 if TYPE_CHECKING:
     from gecos import _core
@@ -82,7 +83,7 @@ class Stream(Generic[T]):
     ) -> None:
         self._core = core
         self._octets = in_place
-        self._decode = decode
+        self._decode = from_start(decode)
         self._name = name
         self._reading = threading.Lock()
         self._waits = False  # True while a reader waits for a sample
@@ -311,7 +312,7 @@ class Stream(Generic[T]):
         self, raw: bytes, sequence: int, stamp_ns: int, measured_ns: int
     ) -> Sample[T] | None:
         try:
-            value = self._decode(Decoder(raw))
+            value = self._decode(raw)
         except DecodeError:
             self._note_unreadable(sequence)
             return None

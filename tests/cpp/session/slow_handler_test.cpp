@@ -1,5 +1,6 @@
 // A handler that takes longer than it should holds up its own callers and nobody else.
 #include <latch>
+#include <thread>
 
 #include "bench.hpp"
 
@@ -36,6 +37,27 @@ TEST_F(SlowHandler, DelaysNobodyAtAnotherObjectHoweverOftenItHappens) {
     leave.count_down();
     EXPECT_EQ(held_up.wait(), State::CommandFailed);
   }
+}
+
+TEST_F(SlowHandler, DelaysNobodyAfterTheServerHasRested) {
+  serve("SLOW", slow_);
+  serve("QUICK", servant_);
+  const auto slow_probe = connect(lab_, "SLOW");
+  const auto quick_probe = connect(second_lab_, "QUICK");
+  std::latch inside(1);
+  std::latch leave(1);
+  slow_.on_read([&](gecos::IncomingCall call) {
+    inside.count_down();
+    leave.wait();
+    call.fail(gecos::Fault::rejected("slowly").failure());
+  });
+  ASSERT_TRUE(quick_probe.read().get());
+  std::this_thread::sleep_for(400ms);  // the time that the server rests is what is tested
+  const auto held_up = slow_probe.read();
+  inside.wait();
+  EXPECT_EQ(quick_probe.read().wait_for(5s), State::Finished);
+  leave.count_down();
+  EXPECT_EQ(held_up.wait(), State::CommandFailed);
 }
 
 TEST_F(SlowHandler, DelaysNobodyAtAThirdObjectWhenTwoAreSlowAtOnce) {

@@ -17,6 +17,10 @@ def struct(
 ) -> tuple[Any, Any]:
     """Returns the compiled methods `encode` and `decode` of the struct `kind`."""
 
+def from_start(decode: Any, python: _T) -> _T:
+    """Returns the compiled form of `python`, a function that decodes a value from the beginning of
+    bytes; `python` itself if `decode` is not compiled."""
+
 def entry(name: str, python: _T) -> _T:
     """Returns the compiled function `name` of `gecos.wire`. In unusual cases it calls the function
     `python`."""

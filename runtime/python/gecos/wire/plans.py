@@ -23,6 +23,7 @@ else:
     COMPILED = True
     _plans.prepare(Decoder)
 
+_T = TypeVar("_T")
 _FunctionT = TypeVar("_FunctionT", bound=Callable[..., Any])
 
 
@@ -43,3 +44,13 @@ def accelerated(function: _FunctionT) -> _FunctionT:
     """Decorates a function of `gecos.wire`, so that structs with a compiled plan use its C++
     version."""
     return _plans.entry(function.__name__, function) if COMPILED else function
+
+
+def from_start(decode: Callable[[Decoder], _T]) -> Callable[[bytes], _T]:
+    """Returns a function that decodes a value from the beginning of bytes, as `decode` does from a
+    `Decoder`. The function ignores the bytes after the value."""
+
+    def decode_bytes(data: bytes) -> _T:
+        return decode(Decoder(data))
+
+    return _plans.from_start(decode, decode_bytes) if COMPILED else decode_bytes

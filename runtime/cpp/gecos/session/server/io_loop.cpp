@@ -183,9 +183,12 @@ void IoLoop::take_events(int milliseconds) {
 bool IoLoop::handle_events(int milliseconds) {
   std::array<epoll_event, 64> room{};
   std::span<const epoll_event> events;
+  const bool sleeps = milliseconds < 0 && std::this_thread::get_id() == main_id_;
   {
     const MutexUnlock polled_by_others(polling_);
+    if (sleeps) sleep_.begin();
     events = epoll_.wait(room, milliseconds);
+    if (sleeps) sleep_.end();
   }
   bool accepted = false;
   for (const auto& event : events) {
@@ -274,6 +277,7 @@ void IoLoop::await_signs_of_life() {
 }
 
 TimePoint IoLoop::on_tick(TimePoint now) {
+  sleep_.drain();
   const std::uint64_t handler = handler_turn_.load();
   if (handler % 2 == 1 && handler == handler_seen_) {
     standby_call_.call();
@@ -284,11 +288,13 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   const bool revoked = end_revoked(now);
   // When a session is excluded from streams, these streams move to new memory. The next heartbeat
   // tells the remaining readers where this memory is, so it is sent at once.
-  const bool beat = revoked || now >= next_beat_;
-  if (beat) next_beat_ = now + runtime_->options().heartbeat;
+  const bool beat = heartbeats_.due(now, runtime_->options().heartbeat) || revoked;
   bool suspects = false;
+  const bool at_rest = handler % 2 == 0 && sleep_.count_on();
+  TimePoint next_look = at_rest ? TimePoint::max() : now + Maintenance::calm_tick;
   for (const auto& session : sessions_.all()) {
-    session->sender().flush();
+    const bool sent = session->sender().flush();
+    if (at_rest) next_look = std::min(next_look, next_look_at(*session, sent, now));
     if (beat) session->connection().beat();
     if (session->object()->check_liveness(session)) {
       session->gone = true;
@@ -299,7 +305,14 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   }
   if (suspects) suspects_.store(true);
   if (suspects || (beat && somebody_waits_.load())) event_.notify();
-  return now + (handler % 2 == 1 ? Maintenance::tick : Maintenance::calm_tick);
+  return handler % 2 == 1 ? now + Maintenance::tick : heartbeats_.next_tick(next_look);
+}
+
+/// Returns when the next tick of a server at rest must look at `session`. `sent`: no packet waits
+/// to be sent to its client.
+TimePoint IoLoop::next_look_at(ServerSession& session, bool sent, TimePoint now) const {
+  if (session.repeats() || !sent) return now + Maintenance::calm_tick;
+  return session.looks.look(session.connection().beats_seen(), now, runtime_->options().heartbeat);
 }
 
 bool IoLoop::end_revoked(TimePoint now) {

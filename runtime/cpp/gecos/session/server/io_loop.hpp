@@ -12,8 +12,10 @@
 #include "gecos/session/server/access_control.hpp"
 #include "gecos/session/server/active_sessions.hpp"
 #include "gecos/session/server/epoll.hpp"
+#include "gecos/session/server/heartbeat_looks.hpp"
 #include "gecos/session/server/key_review.hpp"
 #include "gecos/session/server/object_host.hpp"
+#include "gecos/session/server/poller_sleep.hpp"
 #include "gecos/session/server/session_list.hpp"
 #include "gecos/session/server/standby_call.hpp"
 
@@ -44,6 +46,9 @@ class IoLoop {
   /// Sends heartbeats, detects silent clients and lost connections, and wakes the standby thread.
   /// Runs on the maintenance thread. Returns when the next tick is due.
   TimePoint on_tick(TimePoint now);
+  /// The descriptor becomes readable when the maintenance thread must tick before the time that
+  /// `on_tick` returned.
+  int descriptor() const { return sleep_.descriptor(); }
   /// Waits for running handlers, ends both threads, then disconnects the clients.
   void end();
 
@@ -81,6 +86,7 @@ class IoLoop {
   void part_from_suspects() GECOS_REQUIRES(polling_);
   void drop_closed_endpoints() GECOS_REQUIRES(polling_);
   void part_if_lost(const std::shared_ptr<ServerSession>& session);
+  TimePoint next_look_at(ServerSession& session, bool sent, TimePoint now) const;
   /// Ends the sessions whose clients are not admitted any more. Returns whether there were any.
   bool end_revoked(TimePoint now);
   /// Ends one of them. Returns false if it has ended already.
@@ -109,9 +115,10 @@ class IoLoop {
   std::atomic<bool> suspects_{false};  // tells the polling thread that some connections may be lost
 
   StandbyCall standby_call_;
+  PollerSleep sleep_;  ///< of main_
   /// `handler_turn_` at the last tick; used by the maintenance thread only
   std::uint64_t handler_seen_ = 0;
-  TimePoint next_beat_{};
+  OwnHeartbeats heartbeats_;
   TimePoint next_review_{};
   KeyReview keys_;
   std::thread main_;

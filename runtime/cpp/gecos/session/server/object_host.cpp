@@ -125,7 +125,9 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
   // the polling thread sleeps.
   if (ready()) run_ready(Starter::Other);
   const MutexLock lock(state_.mutex);
-  return now + (state_.calls.idle() ? Maintenance::calm_tick : Maintenance::tick);
+  if (!state_.calls.idle()) return now + Maintenance::tick;
+  const bool waits = !state_.statuses.line().empty() || state_.presence.required();
+  return waits ? now + Maintenance::calm_tick : TimePoint::max();
 }
 
 // The end of an object

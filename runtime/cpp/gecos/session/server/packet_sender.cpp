@@ -124,14 +124,15 @@ void PacketSender::deliver(ByteView packet) {
   backlog_bytes_ += packet.size();
 }
 
-void PacketSender::flush() {
+bool PacketSender::flush() {
   const MutexLock lock(mutex_);
   while (!backlog_.empty()) {
     const auto sent = connection_.send(backlog_.front(), {});
-    if (!sent && sent.error() == media::SendProblem::Full) return;
+    if (!sent && sent.error() == media::SendProblem::Full) return false;
     backlog_bytes_ -= backlog_.front().size();
     backlog_.pop_front();
   }
+  return true;
 }
 
 void PacketSender::with_connection(FunctionRef<void(media::Connection&)> use) {

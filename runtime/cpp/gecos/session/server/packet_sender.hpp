@@ -35,8 +35,9 @@ class PacketSender {
   /// false when the connection has no room.
   bool send_quietly(const wire::PacketHeader& header, std::size_t size,
                     FunctionRef<void(wire::Encoder&)> encode);
-  /// Sends the packets that wait, as many as the connection has room for.
-  void flush();
+  /// Sends the packets that wait, as many as the connection has room for. Returns whether none
+  /// waits any more.
+  bool flush();
   /// Returns true when more replies wait than a correct client can have requested. The client then
   /// does not read its replies.
   bool overrun() const { return overrun_.load(std::memory_order_relaxed); }

@@ -102,6 +102,7 @@ class Server::Core {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
     TimePoint on_tick(TimePoint now) override;
     void after_pause(Duration stood_still) override;
+    void watch(std::vector<pollfd>& into) override;
     Mutex mutex;
     Core* core GECOS_GUARDED_BY(mutex);  ///< null once the destruction of the server has begun
   };
@@ -158,6 +159,11 @@ TimePoint Server::Core::Upkeep::on_tick(TimePoint now) {
   core->follow_lab_file(now);
   for (const auto& object : core->objects_) next = std::min(next, object->on_tick(now));
   return next;
+}
+
+void Server::Core::Upkeep::watch(std::vector<pollfd>& into) {
+  const MutexLock lock(mutex);
+  if (core != nullptr) into.push_back({core->io_.descriptor(), POLLIN, 0});
 }
 
 void Server::Core::Upkeep::after_pause(Duration stood_still) {

@@ -15,6 +15,7 @@
 #include "gecos/session/server/blend_chain.hpp"
 #include "gecos/session/server/call_statistics.hpp"
 #include "gecos/session/server/feed_standing.hpp"
+#include "gecos/session/server/heartbeat_looks.hpp"
 #include "gecos/session/server/intake.hpp"
 #include "gecos/session/server/packet_sender.hpp"
 #include "gecos/session/server/server_call.hpp"
@@ -78,6 +79,9 @@ class ServerSession {
     TimePoint last_heard{};
   };
   Polled polled;
+
+  /// Used only by the maintenance thread.
+  HeartbeatLooks looks;
 
   Visit visit;
 

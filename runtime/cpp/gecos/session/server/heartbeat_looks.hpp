@@ -1,0 +1,65 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/session/process/maintenance.hpp"
+
+namespace gecos::session {
+
+/// The time that a server saves or loses so that two pieces of its periodic work share a tick.
+inline constexpr Duration tick_window = Maintenance::calm_tick;
+
+/// Says when a server looks for the next heartbeat of a client. A heartbeat in shared memory wakes
+/// nobody, so the server must look for it, and each look wakes a thread.
+///
+/// After a look in vain, the server looks again after `tick_window`. A heartbeat that such a look
+/// finds is at most `tick_window` old, so the next look is due one period of heartbeats later. A
+/// heartbeat that was found at the first look may be older, so the next look is due `tick_window`
+/// earlier. A client that sends heartbeats regularly costs three looks in two periods. Reads no
+/// clock. Not thread-safe.
+class HeartbeatLooks {
+ public:
+  /// Notes a look at the time `now`, which found that the client has sent `heartbeats` heartbeats.
+  /// `period`: time between two heartbeats. Returns when the next look is due.
+  TimePoint look(std::uint64_t heartbeats, TimePoint now, Duration period) {
+    const bool came = heartbeats != heartbeats_;
+    if (!came && now + tick_window < due_) return due_;  // the tick was for something else
+    const Duration rest = came ? (in_vain_ ? period : period - tick_window) : tick_window;
+    heartbeats_ = heartbeats;
+    in_vain_ = !came;
+    return due_ = now + std::max(rest, tick_window);
+  }
+
+ private:
+  std::uint64_t heartbeats_ = 0;
+  bool in_vain_ = false;  ///< the last look found no heartbeat
+  TimePoint due_{};
+};
+
+/// Says when a server sends its own heartbeats: if possible, in a tick in which it looks for those
+/// of a client. Reads no clock. Not thread-safe.
+class OwnHeartbeats {
+ public:
+  /// Returns whether the tick at the time `now` sends a heartbeat. `period`: longest time between
+  /// two heartbeats, but for one that waits up to `tick_window` for a look.
+  bool due(TimePoint now, Duration period) {
+    if (now + Maintenance::tick < next_) return false;
+    // After a tick that no look needed, the next heartbeat comes earlier, until one meets a look.
+    const bool with_look = next_look_ == TimePoint::max() || now >= next_look_;
+    next_ = now + (with_look ? period : std::max(period - tick_window, tick_window));
+    return true;
+  }
+  /// Returns when the next tick is due. `next_look`: the earliest look; TimePoint::max(): none.
+  TimePoint next_tick(TimePoint next_look) {
+    next_look_ = next_look;
+    return next_look <= next_ + tick_window ? next_look : next_;
+  }
+
+ private:
+  TimePoint next_{};
+  TimePoint next_look_ = TimePoint::max();
+};
+
+}  // namespace gecos::session
