@@ -25,7 +25,8 @@ class Owner:
 
 @dataclass(frozen=True, slots=True)
 class Numbers:
-    """A type, with the unit and the range that its slot declares for the numbers in it."""
+    """The type of a slot, and the unit and the range that the slot declares for the numbers in a
+    value of this type."""
 
     type: Type
     unit: str | None

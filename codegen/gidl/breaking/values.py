@@ -38,8 +38,9 @@ def compare(sides: Sides, report: Report) -> None:
             _moved(sides, old, new, report)
             _one(sides, old, new, report)
             if isinstance(old, EnumDeclaration) and isinstance(new, EnumDeclaration):
-                # Only values of an enum that both versions have can be sent from one version to the
-                # other.
+                # If only one version uses the enum as a discriminator or as the key of a map, no
+                # value of this use can be sent from one version to the other. `used` is therefore
+                # "" unless both versions use the enum in this way.
                 used = exact[1].get(new.name, "") if old.name in exact[0] else ""
                 _enum(old, new, used, report)
 

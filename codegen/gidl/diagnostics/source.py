@@ -12,7 +12,8 @@ MAX_BYTES = 4 * 1024 * 1024
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Source:
-    """One source file. `#include` uses `path`; messages print `shown`."""
+    """One source file. `path` is the path that `#include` needs, and `shown` is the path that
+    messages print."""
 
     path: str
     shown: str

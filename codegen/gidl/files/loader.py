@@ -63,8 +63,8 @@ class Loader:
     _open: list[str] = field(default_factory=list)
     # Paths of files whose include guard, or #pragma once, keeps them from being read again.
     _protected: set[str] = field(default_factory=set)
-    # Maps the path of a file to the included files that the loader has not yet read to the end,
-    # because they include the file themselves. An include guard makes such a cycle legal.
+    # Maps the path of a file to those of its included files that the loader is still reading,
+    # because they include the file too. An include guard makes such a cycle legal.
     _cut: dict[str, list[str]] = field(default_factory=dict)
 
     def check_search(self) -> None:

@@ -59,7 +59,8 @@ def scan(text: str) -> list[Piece]:
             newlines += body.count("\n")
         else:
             if kind == "directive":
-                # Other text precedes the '#'. The parser accepts this in text that an '#if' skips.
+                # The formatter refuses text before a '#'. The parser accepts such a line, but only
+                # inside an '#if' whose condition is false.
                 if newlines == 0:
                     raise UnreadableError(line, "has text before a '#' on the same line")
                 body = text[at : directive_line(text, at)[1]]

@@ -36,8 +36,8 @@ CPP_UNION_WORDS = CPP_STRUCT_WORDS | {"tag", "value", "Held"}
 CPP_BITSET_WORDS = CPP_STRUCT_WORDS | {"bits", "set_bits", "raw"}
 
 # Members of gecos::Object, of gecos::Servant, and of the proxies and servants that derive from
-# them. An operation with one of these names is renamed. A parameter is renamed too, because it
-# would hide a member that the function uses.
+# them. An operation with one of these names is renamed. A parameter with one of these names is
+# renamed too, because the parameter would hide the member inside the generated function.
 _CPP_BASE_MEMBERS = words(
     """
     gecos_answer gecos_attach gecos_attached gecos_begins_calls gecos_call gecos_description
@@ -52,7 +52,8 @@ CPP_METHOD_WORDS = CPP_WORDS | _CPP_BASE_MEMBERS
 # base as a member (the injected class name).
 CPP_PARAMETER_WORDS = CPP_METHOD_WORDS | {"Object", "Servant"}
 
-# Functions in the namespaces of generated types.
+# Names of functions that gidl generates in the namespaces of types. A type with one of these names
+# would clash with the function.
 _CPP_FUNCTIONS = words("decode_enum gecos_violation has to_string")
 # Names of parameters and local variables in generated functions. Such a name would hide a constant
 # or an alias with the same name, so no type or constant keeps one of these names.
@@ -106,7 +107,8 @@ PYTHON_WORDS = PYTHON | {"self", "cls"}
 PYTHON_CLASS_WORDS = words(
     "bool bytes classmethod dict float int list object property staticmethod str"
 )
-# All builtins that generated code uses.
+# All Python builtins that generated code uses. A type with one of these names would hide the
+# builtin.
 PYTHON_BUILTINS = PYTHON_CLASS_WORDS | words("NotImplemented chr isinstance range tuple type")
 
 PYTHON_TYPES = Language(

@@ -62,8 +62,9 @@ class Language:
 
 @dataclass(frozen=True, slots=True)
 class TypeName:
-    """The scope and the name of a type, for example ("geo", "shapes") and "Point". The scope is ()
-    if the language has one scope for each file."""
+    """The scope and the name of a type in generated code, for example ("geo", "shapes") and "Point"
+    for the C++ type geo::shapes::Point. In Python the scope is (), because each generated module is
+    a scope of its own."""
 
     scope: tuple[str, ...]
     name: str
@@ -76,7 +77,8 @@ class TypeNames:
     types: dict[str, TypeName] = field(default_factory=dict)
     servants: dict[str, TypeName] = field(default_factory=dict)  # key: name of the interface
     descriptions: dict[str, TypeName] = field(default_factory=dict)  # key: interface; C++ only
-    # Key: name of the operation or attribute; "tool=" for the argument of a setter.
+    # The structs of arguments. A key is the scoped name of an operation; for the setter of an
+    # attribute, it is the name of the attribute and "=", for example "lab::Arm::tool=".
     arguments: dict[str, TypeName] = field(default_factory=dict)
     results: dict[str, TypeName] = field(default_factory=dict)
     # Constants and aliases in the scopes around an interface, and the classes of the interface and
@@ -116,8 +118,8 @@ class _Naming:
             taken |= {(scope[:i], scope[i]) for i in range(len(scope))}
         joined = {d.name: "_".join(self._parts(d)) for d in declared}
         wanted = {d.name: self._wanted(d, joined) for d in declared}
-        # Declarations that can keep their simple names are named first, because the names of the
-        # others must differ from these names.
+        # Declarations that can keep their simple names are named first, because all other
+        # declarations must get names that differ from these simple names.
         for as_written in (True, False):
             for declaration in declared:
                 name = wanted[declaration.name]
@@ -164,8 +166,8 @@ class _Naming:
 
     def _name_structs_of_calls(self, interface: Interface, taken: set[_Place]) -> None:
         own, all_calls = self.names.types[interface.name], self._language.calls_are_structs
-        # Structs of several results are named first, so that these structs, which users see, get
-        # the plain names.
+        # Result structs of operations with several results are named first. Users see these
+        # structs, so no other struct should take their plain names.
         for member in sorted(interface.members, key=lambda m: _given(m) <= 1):
             wanted, name = f"{own.name}_{member.name}", member.scoped_name
             if all_calls and isinstance(member, Operation) and member.inputs:
@@ -210,7 +212,8 @@ class _Naming:
     def _wanted(self, declaration: AnyDeclaration, joined: dict[str, str]) -> str:
         name = joined[declaration.name]
         if self._language.file_is_scope and list(joined.values()).count(name) > 1:
-            # Several declarations of the file have this name, for example a::State and b::State.
+            # Several declarations in the file would get this name, for example a::State and
+            # b::State. Their names therefore include the modules.
             name = declaration.name.replace("::", "_")
         words = self._language.type_words
         return escaped(

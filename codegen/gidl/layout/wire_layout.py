@@ -473,7 +473,8 @@ def fixed_size_of(model: Model, node: Node) -> int | None:
 
 def max_size_of(model: Model, node: Node, outer: frozenset[str] = frozenset()) -> int | None:
     """Returns the size of the largest value in bytes, or None if the size is not limited. `outer`
-    are the structs that contain the value: one that contains itself is not limited."""
+    has the structs that contain the value. The size of a struct that contains itself is not
+    limited."""
 
     def times(count: int | None, each: int | None) -> int | None:
         return None if count is None or each is None else count * each

@@ -17,17 +17,18 @@ from gidl.model.types import (
 
 
 def stream_in_place(model: Model, attribute: Attribute) -> Member | None:
-    """Returns the member of which the octets are written and read in place in the samples of an
-    attribute. Returns None if the attribute has no such member, or publishes no such samples."""
+    """Returns the member whose octets are written and read in place in the samples that an
+    attribute publishes. Returns None if the samples have no such member, or if the attribute
+    publishes no samples."""
     if not attribute.streams_out or attribute.optional or attribute.event is not None:
         return None
     return _octets_in_place(model, attribute.type)
 
 
 def _octets_in_place(model: Model, used: Type) -> Member | None:
-    """Returns the member of which the octets are written and read in place if `used` is the type
-    of a stream's samples: the only @bulk member that a sample can contain, if it is a
-    `sequence<octet>` of the struct itself. Returns None for any other type."""
+    """Returns the member whose octets are written and read in place, if `used` is the type of a
+    stream's samples. This member is a `sequence<octet>` of the struct itself, and the only @bulk
+    member that a sample can contain. Returns None if the type has no such member."""
     target = model.target(used)
     struct = model.find(target.name) if isinstance(target, NamedType) else None
     if not isinstance(struct, Struct) or isinstance(struct, ExceptionStruct):

@@ -113,7 +113,7 @@ class OmgWriter(ABC):
         self, declarations: Iterable[AnyDeclaration]
     ) -> Iterator[tuple[AnyDeclaration, ...]]:
         """Yields groups of declarations. The declarations of a group are printed together, in the
-        modules that enclose the last of them."""
+        modules that enclose the last declaration of the group."""
 
     @abstractmethod
     def _unit(self, unit: tuple[AnyDeclaration, ...]) -> None: ...

@@ -237,9 +237,10 @@ class Names:
                 return
 
     def hidden(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> Symbol | None:
-        """Returns the symbol called `name` from the nearest scope in which the kind of this symbol
-        is one of `kinds`. A symbol of another kind in a nearer scope may hide it. Returns None if
-        there is no such symbol."""
+        """Returns the symbol called `name` from the nearest scope that declares a symbol with this
+        name and one of the kinds `kinds`. A normal look-up may not find this symbol, because a
+        symbol of another kind in a nearer scope hides it. Returns None if there is no such
+        symbol."""
         for outer in scope.chain():
             symbol = self._in(outer, name.parts[0])
             if len(name.parts) == 1 and symbol is not None and symbol.kind in kinds:

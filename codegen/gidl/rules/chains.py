@@ -34,9 +34,9 @@ def check(model: Model, findings: Findings) -> None:
 
 
 def _lengths(model: Model) -> dict[str, int]:
-    """Returns for each declaration how many declarations the longest chain has that begins with it,
-    in which each uses the next. A type that contains itself counts once. The function is not
-    recursive, because a chain may be longer than Python's stack."""
+    """Returns, for each declaration, the length of the longest chain that begins with this
+    declaration. In a chain, each declaration uses the next one. A type that contains itself counts
+    once. The function is not recursive, because a chain may be longer than Python's stack."""
     used = {each.name: _used(each) for each in model.declarations()}
     lengths: dict[str, int] = {}
     for first in used:

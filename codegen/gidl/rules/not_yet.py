@@ -113,7 +113,8 @@ def check(model: Model, findings: Findings) -> None:
 
 
 def _in_place(model: Model) -> set[int]:
-    """Returns the ids of the facts of the members whose @bulk acts."""
+    """Returns the ids (of Python's `id()`) of the facts of all members whose @bulk has an
+    effect."""
     found = [
         stream_in_place(model, member)
         for interface in model.interfaces()

@@ -48,8 +48,8 @@ def _terms(qos: Qos, facts: Facts, findings: Findings) -> None:
 
 
 def _silence(member: Operation | Attribute, findings: Findings) -> None:
-    """With liveliness MANUAL, the samples of a stream show that its writer is alive. Reports such a
-    stream if it has no time after which a silent writer counts as lost."""
+    """Reports a stream with liveliness MANUAL that declares no time after which a silent writer
+    counts as lost. With MANUAL, only the samples of the stream show that its writer is alive."""
     if member.qos.liveliness is not Liveliness.MANUAL:
         return
     inward = isinstance(member, Attribute) and member.streams_in

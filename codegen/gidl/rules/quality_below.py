@@ -1,5 +1,5 @@
-"""Rule: a member must not promise less quality than its interface, nor an interface less than its
-bases."""
+"""Rule: a member must not promise less quality than its interface, and an interface must not
+promise less quality than its bases."""
 
 from __future__ import annotations
 

@@ -96,7 +96,7 @@ def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool
 
 def numeric_core(model: Model, used: Type) -> PrimitiveType | None:
     """Returns the type of the numbers in a type, after resolving typedefs, arrays, sequences and
-    the values of maps. Returns None if these are no numbers."""
+    the values of maps. Returns None if the type contains something other than numbers."""
     target = model.target(used)
     while isinstance(target, ArrayType | SequenceType | MapType):
         inner = target.value if isinstance(target, MapType) else target.element

@@ -13,7 +13,7 @@ _STRUCTS = frozenset(("struct", "exception", "union"))
 _CONSTRUCTED = _STRUCTS | {"enum", "bitmask", "bitset"}
 _TYPES = _CONSTRUCTED | {"typedef"}
 
-# Name of an annotation -> kinds of declarations that it may annotate.
+# Maps the name of an annotation to the kinds of declarations that it may annotate.
 PLACES: Mapping[str, frozenset[str]] = {
     "sensor": _CALLS,
     "actor": _CALLS,

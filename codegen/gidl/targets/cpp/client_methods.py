@@ -53,7 +53,9 @@ class Client(CallFacts):
         blends = isinstance(member, Operation) and member.on_new is OnNew.BLEND
 
         def refused(why: str) -> str:
-            # After a refused command that blends, the session leaves out the later ones.
+            # A command that blends continues the motion of the command before it. If the generated
+            # code refuses a blending command, the session must therefore not send the blending
+            # commands that follow.
             known = ("*gecos_session_", constant) if blends else ()
             return called("gecos::session::Refused", why, *known)
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 Written = Literal["plain", "block", "here"]
-"""How a value is encoded: "plain" and "block" mean that a function of the runtime encodes it, as it
-is or as a block; "here" means that generated statements encode it."""
+"""How a value is encoded. For "plain" and "block", a function of the runtime encodes the value:
+"block" puts the length of the encoding before it. For "here", generated statements encode the
+value."""
 
 
 @dataclass(frozen=True, slots=True)

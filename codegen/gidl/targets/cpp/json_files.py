@@ -55,7 +55,7 @@ class MembersShape:
 
 @dataclass(frozen=True, slots=True)
 class LayoutShape:
-    """The JSON form of a hand-written type, which is that of the struct for which the type stands.
+    """A hand-written type, which has the JSON form of the struct for which the type stands.
     `layout` is this struct, as the interface file declares it."""
 
     kind: str  # always "layout"

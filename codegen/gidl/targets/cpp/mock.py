@@ -82,8 +82,8 @@ class MocksView:
 
 @dataclass(frozen=True, slots=True)
 class OwnNames:
-    """Names that the class of a mock needs for itself. They differ from the names of the methods of
-    the mock, and from the names of their parameters."""
+    """Names that the class of a mock needs for itself. They differ from the names of the mock's
+    methods and of the parameters of these methods."""
 
     mock: str
     streams: str

@@ -207,8 +207,9 @@ def _mistaken_unit(content: Content) -> str:
     """Returns the C++ text of a call of gecos::wire::mistaken_unit, for an exception whose members
     `value`, `lower` and `upper` are numbers with units. Returns an empty text for other exceptions.
     In a running program, the call returns a question such as "is the value in degrees?", which the
-    generated code appends to the text of the exception. An optional member that is present tells
-    how the object computed `value`, which is then no input in another unit, and not asked about."""
+    generated code appends to the text of the exception. If an optional member of the exception has
+    a value, the object computed `value` itself. The generated code then appends no question,
+    because nobody has entered `value` in another unit."""
     found = {m.name: (m, f.node) for m, f in zip(content.members, content.fields, strict=True)}
     wanted = ("value", "lower", "upper")
     members, nodes = zip(*(found.get(name, (None, None)) for name in wanted), strict=True)

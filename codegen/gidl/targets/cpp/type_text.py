@@ -159,8 +159,8 @@ class Types:
 
 
 def is_bulk(element: Node) -> bool:
-    """Returns whether an array of such elements is byte-swapped in one pass. All scalars except
-    booleans are."""
+    """Returns whether an array of such elements is byte-swapped in one pass. This is the case for
+    all scalars except booleans."""
     return isinstance(element, ScalarNode) and element.primitive is not Primitive.BOOLEAN
 
 

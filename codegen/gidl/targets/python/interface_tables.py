@@ -79,8 +79,8 @@ class Tables(CallFacts):
         return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])
 
     def _in_place(self, attribute: Attribute) -> str:
-        """Returns the name of the member of which the octets are written in place; "" if samples
-        of the attribute are not."""
+        """Returns the name of the member whose octets are written in place in samples of the
+        attribute. Returns "" if the samples have no such member."""
         member = stream_in_place(self._model, attribute)
         return "" if member is None else member.name
 
@@ -123,8 +123,9 @@ class Tables(CallFacts):
         return call("_event", *terms)
 
     def _operation(self, layout: CallLayout, member: Operation | Attribute) -> str:
-        """Returns the text that constructs a gecos.interface.Operation. Its arguments are the code,
-        name, access and hash, and each other argument whose value is not the default."""
+        """Returns the text that constructs a gecos.interface.Operation. The text always passes the
+        code, name, access and hash. It passes any other argument only if the value is not the
+        default."""
         setter = layout.kind is CallKind.SETTER
         getter = isinstance(member, Attribute) and not setter
         flags = {}
