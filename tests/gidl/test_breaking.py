@@ -158,7 +158,7 @@ EDITS = [
     ("presence needed", "@presence(FALSE) void", "void", "G1301"),
     ("safety", "@sensor void look()", "@sensor @safety void look()", "G1301"),
     ("no safety", "@safety void halt", "void halt", "G1301"),
-    ("continues when the holder of the lease is lost", '@on_new("queue")', '@on_new("queue") @on_loss("finish")',
+    ("is not stopped any more when the holder of the lease is lost", '@on_new("queue")', '@on_new("queue") @on_loss("finish")',
      "G1301"),
     ("an open stream", '@stream(rate="100Hz") @qos(depth=4)', '@stream(rate="100Hz") @open_stream @qos(class=TIME_INDEPENDENT, depth=4)', "G1201 G1301"),
     ("no secret", "@secret in string", "in string", "G1302"),

@@ -39,8 +39,8 @@ def _bases(sides: Sides, old: Interface, new: Interface, report: Report) -> None
 def _gone(old: Call, new: Interface, report: Report) -> None:
     what = "attribute" if isinstance(old, Attribute) else "operation"
     report.add("G1001", old.scoped_name, f"{what} '{old.scoped_name}' is gone",
-               "on a new server, calls of old clients fail with UNKNOWN_OPERATION",
-               "keep the declaration, marked @deprecated; after a renaming, write "
+               "calls of old clients fail on a new server with UNKNOWN_OPERATION",
+               "keep the declaration and mark it @deprecated; if you renamed it, write "
                "@hash_as(\"old_name\")",
                new=new.facts, old=old.facts)  # fmt: skip
 

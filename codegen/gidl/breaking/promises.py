@@ -101,11 +101,14 @@ def _stream(old: Stream | None, new: Stream | None) -> Iterator[str]:
 
 def _behaviour(old: Operation, new: Operation) -> Iterator[str]:
     if old.idempotent and not new.idempotent:
-        yield "is not @idempotent any more: a call is not sent again when its server is lost"
+        yield "is not @idempotent any more: calls are not sent again when the server is lost"
     if old.cancelable and not new.cancelable:
         yield "cannot be cancelled any more"
     if old.ordered and not new.ordered:
-        yield "is not @ordered any more: it may start before earlier actor commands of its caller"
+        yield (
+            "is not @ordered any more: a call may start before earlier actor commands of the "
+            "same caller"
+        )
     if old.parallel != new.parallel:
         yield "is @parallel now" if new.parallel else "is not @parallel any more"
     if old.on_new != new.on_new:
@@ -127,11 +130,12 @@ def _operation_security(old: Operation, new: Operation) -> Iterator[tuple[str, s
         else:
             yield (
                 "is not @safety any more",
-                "its calls can be refused, and they wait after other calls",
+                "calls of this operation can be refused, and they wait in the queue after other "
+                "calls",
             )
     if old.on_loss is OnLoss.STOP and new.on_loss is OnLoss.FINISH:
         yield (
-            "continues when the holder of the lease is lost",
+            "is not stopped any more when the holder of the lease is lost",
             "the robot may move without a holder",
         )
 

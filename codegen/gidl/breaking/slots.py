@@ -89,13 +89,13 @@ def _gone(report: Report, owner: Owner, old: list[Slot], after: dict[str, Slot])
                     "G1101", owner.subject,
                     f"{owner.what} '{slot.name}' of '{owner.subject}' is gone",
                     "programs that use the old name do not build any more",
-                    "keep the declaration, marked @deprecated", new=owner.new, old=slot.facts,
+                    "keep the declaration and mark it @deprecated", new=owner.new, old=slot.facts,
                 )  # fmt: skip
                 continue
             instead = "keep the old declaration, and put new declarations after it"
         else:
             instead = (
-                "keep the declaration, marked @deprecated; after a renaming, write "
+                "keep the declaration and mark it @deprecated; if you renamed it, write "
                 '@hash_as("old_name")'
             )
         report.add(
@@ -154,8 +154,7 @@ def _kept(
         report.add("G1002", subject,
                    f"{what} may be left out of messages in only one of the two versions",
                    "the hashes of operations differ, so old and new programs refuse each other",
-                   "leave the @default of this declaration, and all declarations after it, "
-                   "unchanged",
+                   "do not change the @default of this declaration, or any declaration after it",
                    new=places[0], old=places[1])  # fmt: skip
     elif had and not has and not new.optional:
         report.add("G1102", subject, f"{what} has no default any more",

@@ -63,12 +63,12 @@ def _gone(old: AnyDeclaration, report: Report) -> None:
     if isinstance(old, Interface):
         report.add("G1001", old.name, f"interface '{old.name}' is gone",
                    "old clients find no object with this interface",
-                   "keep the declaration, marked @deprecated; after a renaming, write "
+                   "keep the declaration and mark it @deprecated; if you renamed it, write "
                    "@hash_as(\"old_name\")",
                    old=old.facts)  # fmt: skip
         return
     report.add("G1101", old.name, f"{_kind(old)} '{old.name}' is gone", _NO_BUILD,
-               "keep the declaration, marked @deprecated; after a renaming, write "
+               "keep the declaration and mark it @deprecated; if you renamed it, write "
                "@hash_as(\"old_name\")",
                old=old.facts)  # fmt: skip
 
@@ -164,7 +164,7 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report
         elif now is None and not grows:
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is gone",
                        f"old programs still send the enumerator, and new programs {refuse}",
-                       "keep the declaration, marked @deprecated", new=new.facts,
+                       "keep the declaration and mark it @deprecated", new=new.facts,
                        old=was.facts)  # fmt: skip
         elif now is None and was.number in numbers:
             taken = numbers[was.number]
@@ -177,7 +177,7 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report
             report.add("G1101", old.name, f"'{name}' of '{old.name}' is gone",
                        f"{_NO_BUILD}; old programs send the enumerator, and new programs read "
                        f"'{new.default_literal}'",
-                       "keep the declaration, marked @deprecated", new=new.facts,
+                       "keep the declaration and mark it @deprecated", new=new.facts,
                        old=was.facts)  # fmt: skip
     for name, now in after.items():
         if name not in before and not grows:

@@ -49,7 +49,8 @@ def run(chosen: argparse.Namespace) -> int:
         return USAGE
     if "-" in files:
         print(
-            "gidl: breaking compares files, and stdin has no older version: name files",
+            "gidl: `gidl breaking` cannot read stdin, because stdin has no older version; "
+            "name files",
             file=sys.stderr,
         )
         return USAGE

@@ -151,7 +151,7 @@ def _parser() -> argparse.ArgumentParser:
     dump.add_argument(
         "--omg",
         choices=("corba", "dds"),
-        help="print OMG IDL instead: corba for omniidl, or dds (types only) for idlc",
+        help="print OMG IDL instead of JSON: corba for omniidl, or dds (types only) for idlc",
     )
     dump.set_defaults(command=_dump, prints=True)
 

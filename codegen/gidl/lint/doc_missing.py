@@ -13,17 +13,18 @@ def check(model: Model, findings: Findings) -> None:
                 "G0907",
                 interface.facts.location,
                 f"interface '{interface.simple_name}' has no comment",
-                "write before it a comment /** ... */ that says what the interface is for",
+                "before the interface, write a comment /** ... */ that says what the interface is "
+                "for",
             )
         for operation in (*interface.operations, *interface.events):
             if not operation.facts.doc:
                 what = "event" if operation.is_event else "operation"
-                about = "that says what the operation does, and when it is refused"
+                about = "what the operation does, and when the server refuses it"
                 if operation.is_event:
-                    about = "that says when the event occurs"
+                    about = "when the event occurs"
                 findings.warning(
                     "G0907",
                     operation.facts.location,
                     f"{what} '{operation.name}' has no comment",
-                    f"write before it a comment /** ... */ {about}",
+                    f"before the {what}, write a comment /** ... */ that says {about}",
                 )

@@ -43,5 +43,5 @@ def _unit(unit: str, what: str, at: Location, findings: Findings) -> None:
         "G0905",
         at,
         f"{what} is in '{unit}', and '{strange}' is not an SI unit",
-        f"{hint}, and convert the number where it enters the program",
+        f"{hint}, and convert the value to this unit in the program",
     )

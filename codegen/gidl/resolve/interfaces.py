@@ -372,7 +372,7 @@ class InterfaceResolver(TypeResolver):
         text = applied.text("on_degraded")
         if text in [each.value for each in OnDegraded]:
             return OnDegraded(text)
-        message = f"'on_degraded' is event, fail or failover, not \"{text}\""
+        message = f"'on_degraded' must be event, fail or failover, not \"{text}\""
         advice = 'write on_degraded="event", on_degraded="fail" or on_degraded="failover"'
         self._findings.error("G0506", applied.span, message, advice)
         return None

@@ -402,9 +402,8 @@ class TypeResolver(ValueResolver):
                 "G0312",
                 syntax.span,
                 "the discriminator of a union cannot have a range",
-                "use the type without a range; if the value is one that no case names, the "
-                "union has "
-                "no member",
+                "use the type without a range; a union has no member if no case names the value of "
+                "the discriminator",
             )
 
     # -- enum, bitmask, bitset -----------------------------------------------------------------

@@ -83,8 +83,8 @@ NOT_YET = (
         "bulk",
         "",
         _always,
-        "the value is copied; only one sequence<octet> of the struct of a stream is written and "
-        "read in place",
+        "the value is copied; only a sequence<octet> that is the single @bulk member in the "
+        "samples of a stream is written and read in place",
     ),
     Term("qos", "latency", _no_real_time, "the latency is checked only with a real-time class"),
     Term("qos", "lifespan", _is_call, "only the samples of a stream have a lifespan"),

@@ -198,8 +198,9 @@ class TokenReader:
             self._findings.error(
                 "G0212",
                 self._span(token),
-                "'Object' is a type of values, not an interface",
-                "use 'Object' only as the type of a value, not as a base or as a scope",
+                "'Object' is the type of an object reference, not an interface",
+                "use 'Object' only as the type of a value: it cannot be a base, and '::' cannot "
+                "follow it",
             )
             raise Skip
         if token.kind != "id" or token.text in USED_BY_LOWER.values():

@@ -109,7 +109,7 @@ class TypeParser(ExpressionParser):
                 "G0100",
                 self._span(token),
                 f"this {token.text} has no name",
-                f"every type has a name: {token.text} Name {{ ... }}",
+                f"write a name after the keyword: {token.text} Name {{ ... }}",
             )
             self._skip_braces()
             return RefusedType(self._since(token))

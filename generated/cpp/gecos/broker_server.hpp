@@ -17,7 +17,7 @@ class BrokerServant : public virtual gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
 
-  /// A new sample of `revision`, measured at `stamp_ns`. One thread at a time.
+  /// Publishes a sample of `revision`, measured at `stamp_ns`. Only one thread at a time may call it.
   void publish_revision(
       const ::gecos::ListRevision& value,
       std::int64_t stamp_ns = gecos::unix_now_ns());

@@ -17,7 +17,7 @@ class ZoneServant : public virtual gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
 
-  /// A new sample of `presence`, measured at `stamp_ns`. One thread at a time.
+  /// Publishes a sample of `presence`, measured at `stamp_ns`. Only one thread at a time may call it.
   void publish_presence(
       const ::gecos::ZonePresence& value,
       std::int64_t stamp_ns = gecos::unix_now_ns());

@@ -16,12 +16,12 @@ class ArticulatedArmServant : public virtual ::robcl::ManipulatorServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
 
-  /// A new sample of `commanded_joints`, measured at `stamp_ns`. One thread at a time.
+  /// Publishes a sample of `commanded_joints`, measured at `stamp_ns`. Only one thread at a time may call it.
   void publish_commanded_joints(
       const ::robcl::JointPositions& value,
       std::int64_t stamp_ns = gecos::unix_now_ns());
 
-  /// A new sample of `joints`, measured at `stamp_ns`. One thread at a time.
+  /// Publishes a sample of `joints`, measured at `stamp_ns`. Only one thread at a time may call it.
   void publish_joints(
       const ::robcl::JointPositions& value,
       std::int64_t stamp_ns = gecos::unix_now_ns());

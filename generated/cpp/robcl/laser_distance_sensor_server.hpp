@@ -14,7 +14,7 @@ class LaserDistanceSensorServant : public virtual ::robcl::DeviceServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
 
-  /// A new sample of `beam`, measured at `stamp_ns`. One thread at a time.
+  /// Publishes a sample of `beam`, measured at `stamp_ns`. Only one thread at a time may call it.
   void publish_beam(const ::robcl::Distance& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 
  protected:

@@ -20,15 +20,15 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   /// in order and at the beginning of a cycle.
   gecos::Inward<::robcl::Frame>& alter() { return gecos_inward_alter_; }
 
-  /// A new sample of `tool`, measured at `stamp_ns`. One thread at a time.
+  /// Publishes a sample of `tool`, measured at `stamp_ns`. Only one thread at a time may call it.
   void publish_tool(const ::robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 
-  /// Sends the event `stood`, which occurred at `stamp_ns`. Any thread.
+  /// Sends the event `stood`, which occurred at `stamp_ns`. Any thread may call it.
   void publish_stood(
       const ::robcl::Manipulator_stood& value,
       std::int64_t stamp_ns = gecos::unix_now_ns());
 
-  /// A new sample of `flange`, measured at `stamp_ns`. One thread at a time.
+  /// Publishes a sample of `flange`, measured at `stamp_ns`. Only one thread at a time may call it.
   void publish_flange(const ::robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 
  protected:

@@ -178,9 +178,11 @@ class ServerSide(CallFacts):
 
         return PublisherView(
             used.fresh(f"publish_{attribute.name}"),
-            f"A new sample of `{attribute.name}`, measured at `stamp_ns`. One thread at a time."
+            f"Publishes a sample of `{attribute.name}`, measured at `stamp_ns`. Only one thread at "
+            "a time may call it."
             if attribute.event is None
-            else f"Sends the event `{attribute.name}`, which occurred at `stamp_ns`. Any thread.",
+            else f"Sends the event `{attribute.name}`, which occurred at `stamp_ns`. Any thread "
+            "may call it.",
             attribute.scoped_name,
             written(layout.sample.node),
             f"{self._lowering.parameter(value.type, value.optional)} value",
