@@ -54,10 +54,12 @@ class Baseline:
 
 @contextmanager
 def baseline(text: str, roots: Sequence[Path]) -> Iterator[Baseline]:
-    """Gives access to the old interfaces that `text` names. If `text` is a folder, this folder
-    holds the old version of the first folder in `roots`. `git#ref=main` reads the folders `roots`
-    from a commit; `git#ref=v1.2,subdir=interfaces` reads only the folder `interfaces`. Files of a
-    commit are copied to disk, and deleted when the context ends. Raises AgainstError."""
+    """Gives access to the old interfaces that `text` names. If `text` is the path of a folder, this
+    folder is the old version of the first folder in `roots`. If `text` is `git#ref=main`, the old
+    interfaces are those of the folders `roots` in the commit `main`; with
+    `git#ref=v1.2,subdir=interfaces`, they are those of the folder `interfaces` in the commit
+    `v1.2`. Files of a commit are copied to disk, and deleted when the context ends. Raises
+    AgainstError."""
     if not text.startswith(_GIT):
         folder = Path(text)
         if not folder.is_dir():

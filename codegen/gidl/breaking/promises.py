@@ -16,7 +16,7 @@ _ASK = "keep the old declaration, or ask the person responsible for the laborato
 
 def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
     """Reports the quality terms that became weaker for the whole interface. Returns the reported
-    texts. The function `call` does not report these texts again for each member."""
+    texts, so that `call` does not report them again for each member."""
     weaker = tuple(_weaker(old.qos, new.qos))
     for text in weaker:
         _qos(report, old.name, f"'{old.name}' {text}", new.facts, old.facts)
@@ -157,7 +157,7 @@ def _attribute_security(old: Attribute, new: Attribute) -> Iterator[tuple[str, s
     if was_open and not is_open:
         yield (
             "is not @open_stream any more",
-            "programs that read its samples as bare LCM messages do not get them any more",
+            "programs that read the samples as bare LCM messages get no messages any more",
         )
 
 

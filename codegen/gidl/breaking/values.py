@@ -125,7 +125,7 @@ def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
     slots.compare(sides, report, owner, sides.old.all_members(old), sides.new.all_members(new))
     if old.maps_to != new.maps_to:
         report.add("G1102", old.name, f"'{old.name}' maps to another hand-written type now",
-                   "existing programs handle its values as the old hand-written type",
+                   "existing programs handle values of the struct as the old hand-written type",
                    "keep @maps_to", new=new.facts, old=old.facts)  # fmt: skip
 
 

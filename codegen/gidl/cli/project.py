@@ -81,9 +81,9 @@ def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
 
 
 def line_of(text: str, keys: tuple[str, ...]) -> int:
-    """Returns the line where the TOML statement that sets the key `keys` begins. To find the end of
-    each statement, the function parses the text from its beginning up to every line: this succeeds
-    only if a statement ends with the line."""
+    """Returns the number of the line where the TOML statement that sets a key begins. `keys` is the
+    path of the key. The function parses longer and longer beginnings of the text, because parsing
+    succeeds only where a statement ends."""
     lines = [f"{line}\n" for line in text.split("\n")]
     begin = 1
     for end in range(1, len(lines) + 1):

@@ -1,17 +1,17 @@
 """Function codes: the numbers that identify operations on the wire.
 
 A code is the 32-bit FNV-1a hash of a scoped name, never a position, so reordering the members of an
-interface changes no code:
+interface changes no code. The scoped names are:
 
-    operation `move` of robcl::Manipulator    "robcl::Manipulator::move"
-    attribute `base`: getter and stream       "robcl::Device::base"
-    attribute `base`: setter                  "robcl::Device::base="
-    exception `robcl::OutOfReach`             "robcl::OutOfReach"
+    operation `move` of robcl::Manipulator:             "robcl::Manipulator::move"
+    getter and stream of attribute robcl::Device::base: "robcl::Device::base"
+    setter of attribute robcl::Device::base:            "robcl::Device::base="
+    exception robcl::OutOfReach:                        "robcl::OutOfReach"
 
-`@id(n)` replaces the hash (a setter then has n + 1). `@hash_as("old")` on an operation, attribute,
-exception or interface keeps the code of the old name. Codes 0 to 255 are reserved: 1 to 255 are for
-the built-in operations of gecos::GecosObject, 0 means no operation. Inherited members keep the code
-of the interface that declares them.
+`@id(n)` replaces the hash by n; the setter of an attribute then has the code n + 1.
+`@hash_as("old")` on an operation, attribute, exception or interface keeps the code of the old name.
+Codes 0 to 255 are reserved: 1 to 255 are for the built-in operations of gecos::GecosObject, and 0
+means no operation. Inherited members keep the code of the interface that declares them.
 """
 
 from __future__ import annotations

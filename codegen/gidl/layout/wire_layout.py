@@ -1,25 +1,25 @@
-"""The wire encoding of a model: one explicit node for each value, one layout for each type and
-call.
+"""The wire encoding of a model: one node for each value, and one layout for each type and call.
 
 The encoding is that of LCM (big-endian, fields in order). Types that LCM lacks are lowered:
 
-    ScalarNode      1 to 8 bytes; unsigned and char are bit-cast to the signed type of their width.
-                    `limits` is the range of the value, which may be an element, key or union arm
-    EnumNode        enum, bitmask or bitset as int32 (int64 above 32 bits)
-    StringNode      int32 length that includes the NUL, the text in UTF-8, NUL
-    StructNode      the fields of a final struct, inline, without fingerprint
-    AppendableNode  int32 size, then the fields in a block of that many bytes
-    UnionNode       tag, then for each arm int8 0 or 1, followed by the arm if 1
-    ArrayNode       the elements
-    SequenceNode    int32 count, then the elements
-    OptionalNode    int8 0 or 1, followed by the value if 1
-    MapNode         int32 count, then key and value of each entry, sorted by key
-    ObjectNode      an object reference: the fields of gecos.ObjectRef; an empty name is nil
+    ScalarNode: 1 to 8 bytes. Unsigned integers and char are bit-cast to the signed type of their
+        width. `limits` is the range of the value, which may be an element, key or union arm.
+    EnumNode: an enum, bitmask or bitset, as int32 (as int64 if it has more than 32 bits).
+    StringNode: an int32 length that includes the NUL, then the text in UTF-8, then a NUL.
+    StructNode: the fields of a final struct, without fingerprint.
+    AppendableNode: an int32 size, then a block of that many bytes with the fields.
+    UnionNode: the tag, then for each arm an int8 with 0 or 1; the arm follows if it is 1.
+    ArrayNode: the elements.
+    SequenceNode: an int32 count, then the elements.
+    OptionalNode: an int8 with 0 or 1; the value follows if it is 1.
+    MapNode: an int32 count, then key and value of each entry, sorted by key.
+    ObjectNode: the fields of gecos.ObjectRef; an empty name is a nil reference.
 
 The body of a request holds the `in` and `inout` parameters in order. The body of a reply holds the
-result, then the `inout` and `out` parameters. Bodies are extensible at the end. A reader ignores
-bytes that it does not know there. For missing fields that are defaulted or optional, it takes the
-default, or no value. A stream sample is encoded like the reply body of its attribute's getter.
+result, then the `inout` and `out` parameters. A later version of an interface may add values at the
+end of a body. A reader ignores added bytes that it does not know. If an optional or defaulted value
+is missing at the end, the reader takes no value or the default. A stream sample is encoded like the
+reply body of its attribute's getter.
 """
 
 from __future__ import annotations

@@ -79,7 +79,10 @@ class OmgWriter(ABC):
             scope = declaration.scope
             if self._model.has(scope) and not isinstance(self._model.find(scope), Interface):
                 self._at = declaration.facts.location
-                self._cannot("a type declared inside another", f"declare it before '{scope}'")
+                self._cannot(
+                    "a type that is declared inside another type",
+                    f"declare the inner type before '{scope}'",
+                )
                 found = True
         return found
 

@@ -137,8 +137,8 @@ class ValueResolver(ABC):
             f"'{name}' is ambiguous: two bases declare it, '{first.scoped}' and '{second.scoped}'",
             f"write the scoped name: '{first.scoped}' or '{second.scoped}'",
             notes=(
-                Note("inherited from here", first.span.location),
-                Note("also inherited from here", second.span.location),
+                Note("the name is inherited from here", first.span.location),
+                Note("the name is also inherited from here", second.span.location),
             ),
         )
 
@@ -275,8 +275,8 @@ class ValueResolver(ABC):
         return used
 
     def _type(self, syntax: TypeSyntax, scope: Scope) -> Type | None:
-        """Returns the type that `syntax` means; None if `syntax` is wrong, which is then already
-        reported."""
+        """Returns the type that `syntax` means. If `syntax` is wrong, an error has been reported,
+        and the result is None."""
         match syntax:
             case BasicType(name, _):
                 return PrimitiveType(Primitive(name))
@@ -335,9 +335,9 @@ class ValueResolver(ABC):
     def _incomplete(
         self, used: Type | None, in_sequences: bool, reported: bool = False
     ) -> Symbol | None:
-        """Returns the struct or union in `used` of which only a forward declaration is known so
-        far. `reported` is True inside a typedef: the typedef itself already has a finding about its
-        type."""
+        """Returns the struct or union inside the type `used` that has only a forward declaration so
+        far. `reported` tells that `used` comes from a typedef, whose declaration already has a
+        finding about this struct or union."""
         match used:
             case NamedType(name) if name in self._typedefs:
                 return self._incomplete(self._typedefs[name], in_sequences, True)

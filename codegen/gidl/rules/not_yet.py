@@ -1,5 +1,5 @@
-"""Annotations and arguments of annotations that gidl accepts, but that have no effect in this
-version.
+"""Annotations, and arguments of annotations, that gidl accepts although they have no effect in
+this version.
 
 `gidl check` warns at each use of such a term, so that nobody relies on the term. A change that
 gives a term its effect must remove the line of the term from `NOT_YET`.

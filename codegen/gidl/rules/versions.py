@@ -41,8 +41,8 @@ def _since_within(interface: Interface, findings: Findings) -> None:
             findings.error(
                 "G0512",
                 member.facts.place_of("since"),
-                f"'{member.name}' exists since version {member.facts.since}, but '"
-                f"{interface.simple_name}' has version {interface.facts.version}",
+                f"'{member.name}' exists since version {member.facts.since}, but interface "
+                f"'{interface.simple_name}' has version {interface.facts.version}",
                 "raise the version of the interface, or correct @since",
             )
 

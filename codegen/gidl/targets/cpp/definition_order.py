@@ -1,9 +1,9 @@
 """The order in which the types of a file are defined.
 
-In C++, the type of a member must be complete where a struct is default-constructed; in IDL it need
-only be declared. So each type is defined after all types that it contains, even if the file has
-another order. Types that contain each other in sequences are an exception: one of them is defined
-before the others.
+In C++, the type of a member must be complete where a struct is default-constructed. In IDL, a
+declaration of the type is enough. In C++, each type is therefore defined after all types that it
+contains, even if the file has another order. Types that contain each other in sequences are an
+exception: one of them is defined before the others.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The encoded size of a value: a constant part, and C++ statements that add the rest."""
+"""The encoded size of a value: a constant part, and C++ statements that add the variable part."""
 
 from __future__ import annotations
 

@@ -19,8 +19,8 @@ OBJECT_REF_STEM = "gecos/object_ref"
 class Locals(LocalNames):
     """Chooses unique names for the variables in a function body. A name that is already taken gets
     an underscore at its start. No name in an interface begins with an underscore, so the variable
-    hides nothing. An underscore at its end would not do: `item_` may be the C++ name of a constant
-    `item`."""
+    hides nothing. A variable with an underscore at its end could hide a constant: `item_` may be
+    the C++ name of a constant `item`."""
 
     def fresh(self, wanted: str) -> str:
         name, number = wanted, 1

@@ -13,9 +13,9 @@ from gidl.model import Interface, Model
 
 
 def class_bases(model: Model, interface: Interface) -> list[str]:
-    """Returns the scoped names of the interfaces whose classes become base classes. The direct
-    bases are enough if Python then orders all bases from the deepest to the least deep. Otherwise
-    the list has all bases, in that order."""
+    """Returns the scoped names of the interfaces whose classes become base classes. The list has
+    only the direct bases if Python then computes the order that all generated classes use.
+    Otherwise the list has all bases, in this order."""
     wanted = _ordered(model, interface.all_bases)
     inherited = {name for base in interface.bases for name in model.interface(base).all_bases}
     own = _ordered(model, [name for name in interface.bases if name not in inherited])
