@@ -44,8 +44,8 @@ class Sides:
 
     def declarations(self) -> Iterator[tuple[AnyDeclaration, AnyDeclaration | None]]:
         """Pairs each old declaration with the new one, or with None if the declaration was removed.
-        Leaves out a removed declaration if its file was only included by other files, because
-        perhaps only the `#include` was removed."""
+        Leaves out a removed declaration whose old file was only included by other files: perhaps
+        the file is unchanged, and only the `#include` was removed."""
         became = {_key(self.new, d): d for d in self.new.declarations()}
         for file in self.old.files:
             for declaration in file.declarations:
@@ -64,8 +64,8 @@ class Sides:
             yield member, became.get(member_name(self.old, member))
 
     def same_type(self, old: Type | None, new: Type | None) -> bool:
-        """Returns whether both types have the same encoding. Of a declared type, only the name is
-        compared here; `compare` in values.py compares its members."""
+        """Returns whether both types have the same encoding. For declared types, only the names are
+        compared; `compare` in values.py compares the members of these types."""
         return wire_text(self.old, old) == wire_text(self.new, new)
 
 
@@ -124,8 +124,8 @@ def ranges(model: Model, used: Type, limits: Range | None) -> dict[str, Range]:
 def _ranges(node: Node, part: str) -> Iterator[tuple[str, Range]]:
     match node:
         case ScalarNode(primitive, limits):
-            # A float is compared with its range before it is rounded for sending: see
-            # `ScalarNode.bounds`.
+            # A floating-point number is compared with its range before the number is rounded for
+            # sending: see `ScalarNode.bounds`.
             checked = limits if primitive.is_floating else node.bounds
             if checked is not None:
                 yield part, checked

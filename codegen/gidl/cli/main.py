@@ -93,7 +93,7 @@ def _not_usable(problem: OSError) -> Finding:
         "G0001",
         Path(str(problem.filename)).as_posix(),
         f"this path cannot be used: {problem.strerror or problem}",
-        "make it accessible, or name another path, and run gidl again",
+        "make the path accessible, or name another path, and run gidl again",
     )
     return findings.found[0]
 

@@ -19,7 +19,9 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
     new.add_argument("name", nargs="?", help="name of the device, for example thermometer")
     new.add_argument("--into", type=Path, help="folder to create; default: the name of the device")
     new.add_argument(
-        "--mock", metavar="FILE", help="write a mock server for the interfaces of FILE instead"
+        "--mock",
+        metavar="FILE",
+        help="write a mock server for the interfaces of FILE, not a device",
     )
     new.add_argument(
         "--lang", choices=("cpp", "python"), default="python", help="language of the mock"

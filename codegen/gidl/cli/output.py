@@ -51,7 +51,7 @@ class Outputs:
 @dataclass(frozen=True, slots=True)
 class Difference:
     """The differences between the generated files and the folders on disk. Missing and changed
-    files are given by their generated paths, stale files by their paths on disk."""
+    files are given by their generated paths; stale files are given by their paths on disk."""
 
     changed: tuple[str, ...]
     missing: tuple[str, ...]
@@ -192,8 +192,8 @@ def _naming(file: Path) -> Iterator[None]:
 
 
 def _mode(file: Path) -> int:
-    """Returns the permission bits of the file, or those for a new file if the file does not
-    exist."""
+    """Returns the permission bits of the file. If the file does not exist, returns the permission
+    bits that a new file gets."""
     with suppress(OSError):
         return file.stat().st_mode & 0o7777
     mask = os.umask(0o022)

@@ -63,8 +63,8 @@ class Loader:
     _open: list[str] = field(default_factory=list)
     # Paths of files whose include guard, or #pragma once, keeps them from being read again.
     _protected: set[str] = field(default_factory=set)
-    # Maps the path of a file to those of its included files that the loader is still reading,
-    # because they include the file too. An include guard makes such a cycle legal.
+    # Maps the path of a file F to the files included by F that the loader is still reading, because
+    # these files in turn include F. An include guard makes such a cycle legal.
     _cut: dict[str, list[str]] = field(default_factory=dict)
 
     def check_search(self) -> None:
@@ -117,8 +117,8 @@ class Loader:
         relative to the folder of the including file. `beside` has the path of the including file,
         and the path that its `#include` names."""
         whole = absolute(place)
-        # The folders of -I come last: one of them may contain a package, but the path of a file in
-        # a package is relative to the folder of the package.
+        # The search folders of -I are tried last. One of them may contain an installed package, but
+        # the path of a file in a package must be relative to the folder of the package.
         for folder in (*self._installed, PACKAGED, *self.search):
             if whole.is_relative_to(absolute(folder)):
                 return whole.relative_to(absolute(folder)).as_posix()

@@ -106,7 +106,7 @@ def _alone(piece: Piece, indent: int) -> list[str]:
 
 def _shifted(lines: list[str], shift: int, column: int) -> list[str]:
     """Returns the second and later lines of a comment, shifted by as many columns as its first
-    line. If all of them begin with a star, they are aligned below the star of `/*`."""
+    line. If all these lines begin with a star, they are aligned below the star of `/*`."""
     stripped = [line.strip() for line in lines]
     if stripped and all(line.startswith("*") for line in stripped):
         return [" " * (column + 1) + line for line in stripped]

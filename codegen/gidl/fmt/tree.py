@@ -112,9 +112,10 @@ class _Reader:
         body.elements.extend(self._left_over(item))
 
     def _left_over(self, item: Item) -> list[Item | Piece]:
-        """Moves the comments at the end of `item` out of its parts. There are such comments only if
-        no separator ends the item, as after the last enumerator of a list. Comments on the line of
-        the item become its trailing comments. Returns the other comments."""
+        """Moves the comments at the end of `item` out of its parts. An item has comments at its end
+        only if no separator (`;` or `,`) ends the item, for example the last enumerator of an enum.
+        Comments on the line of the item become its trailing comments. Returns the other
+        comments."""
         last = len(item.parts)
         while last > 1 and isinstance(part := item.parts[last - 1], Piece) and part.is_comment:
             last -= 1

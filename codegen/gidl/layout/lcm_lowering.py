@@ -41,8 +41,8 @@ from gidl.syntax.keywords import CPP, PYTHON
 LCM_PRIMITIVES = frozenset(
     ("int8_t", "int16_t", "int32_t", "int64_t", "byte", "float", "double", "string", "boolean")
 )
-# Names that LCM, or the C++ or Python of lcm-gen, cannot use. gidl appends an underscore to such a
-# name.
+# Names that LCM does not allow, or that lcm-gen cannot use in C++ or Python. gidl appends an
+# underscore to such a name.
 LCM_WORDS = LCM_PRIMITIVES | CPP | PYTHON | {"package", "encode", "decode"}
 
 OBJECT_REF = "gecos.ObjectRef"

@@ -82,7 +82,7 @@ class TypeNames:
     arguments: dict[str, TypeName] = field(default_factory=dict)
     results: dict[str, TypeName] = field(default_factory=dict)
     # Constants and aliases in the scopes around an interface, and the classes of the interface and
-    # its bases. A parameter with such a name would hide them.
+    # its bases. A parameter with one of these names would hide the constant, alias or class.
     hidden: dict[str, frozenset[str]] = field(default_factory=dict)  # key: name of the interface
 
 

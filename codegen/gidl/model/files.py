@@ -96,12 +96,12 @@ class Model:
         return used
 
     def all_members(self, struct: Struct) -> tuple[Member, ...]:
-        """Returns all members of a struct; those of its bases come first."""
+        """Returns all members of a struct; the members of its bases come first."""
         inherited = self.all_members(self.struct(struct.base)) if struct.base else ()
         return inherited + struct.members
 
     def all_fields(self, bitset: Bitset) -> tuple[Bitfield, ...]:
-        """Returns all fields of a bitset; those of its bases come first."""
+        """Returns all fields of a bitset; the fields of its bases come first."""
         if bitset.base is None:
             return bitset.fields
         base = self.find(bitset.base)

@@ -59,7 +59,8 @@ class InterfaceResolver(TypeResolver):
         self._interface_scopes: dict[str, Scope] = {}
         self._interface_qos: dict[str, Qos] = {}
         self._all_bases: dict[str, tuple[str, ...]] = {}
-        # Interfaces whose bases were removed, because they had too many.
+        # Interfaces that had too many bases, and the interfaces that derive from them. All bases of
+        # these interfaces were removed.
         self._cut_off: set[str] = set()
 
     def _interface(self, syntax: InterfaceSyntax, scope: Scope) -> None:

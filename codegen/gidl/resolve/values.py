@@ -327,7 +327,7 @@ class ValueResolver(ABC):
             innermost.span,
             f"{incomplete.kind} '{incomplete.name}' has only a forward declaration before this use",
             f"move the declaration of the {incomplete.kind} before this use; only a sequence "
-            "may use it earlier",
+            "may use a type before its declaration",
             notes=(Note("declared forward here", incomplete.span.location),),
         )
         self._used_incomplete.add(incomplete.scoped)

@@ -18,8 +18,8 @@ def check(model: Model, findings: Findings) -> None:
                 "G0508",
                 at,
                 f"{slot.what} cannot have both @default and @optional",
-                "keep @default if a missing value means the default, or @optional if it means "
-                "no value",
+                "keep @default if a reader should take the default for a missing value; otherwise "
+                "keep @optional",
             )
         _in_range(slot, findings)
 

@@ -1,5 +1,5 @@
-"""Rule: an event must be oneway, because the server sends it. It must not have annotations for
-calls."""
+"""Rule: an event must be oneway, because the server sends it. An event must not have annotations
+that are for calls."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ def _content(model: Model, attribute: Attribute, sample: Struct, findings: Findi
                 CODE,
                 at,
                 f"'{attribute.name}' contains '{declaration.name}', which is @appendable: LCM "
-                "tools would show it as bytes",
+                "tools would show this type as bytes",
                 f"make '{declaration.name}' @final, or leave out '@open_stream'",
             )
         for member in _members(declaration):
@@ -68,7 +68,7 @@ def _content(model: Model, attribute: Attribute, sample: Struct, findings: Findi
                 findings.error(
                     CODE,
                     at,
-                    f"anybody who receives the packets of an open stream can read it, but "
+                    f"anybody who receives the packets of an open stream can read the samples, but "
                     f"'{attribute.name}' contains '{declaration.name}', whose member "
                     f"'{member.name}' is @secret",
                     "leave out '@open_stream', or publish a struct without secrets",

@@ -85,8 +85,8 @@ def members(model: Model) -> Iterator[Operation | Attribute]:
 
 
 def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool:
-    """Returns whether `interface` derives from both `one` and `other`, but none of its bases does.
-    A clash between `one` and `other` is reported only at such an interface."""
+    """Returns whether `interface` derives from both `one` and `other`, but no base of `interface`
+    derives from both. A clash between `one` and `other` is reported only at such an interface."""
     for base in interface.all_bases:
         line = {i.name for i in model.with_bases(model.interface(base))}
         if one in line and other in line:

@@ -14,8 +14,8 @@ _AFTER = re.compile(r"(//[/!]?<?|/\*[*!]?<?)")
 
 
 class DocReader:
-    """Finds the documentation comments before and after a declaration. The offsets of its tokens
-    tell where to look."""
+    """Finds the documentation comments before and after a declaration. The offsets of the
+    declaration's tokens tell where to look for the comments."""
 
     def __init__(self, lexed: Lexed, skipped: list[tuple[int, int]]) -> None:
         self._source = lexed.source

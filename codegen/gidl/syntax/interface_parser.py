@@ -233,7 +233,8 @@ class InterfaceParser(StructParser):
                 self._findings.error(
                     "G0100",
                     self._span(self._now),
-                    "a writable attribute must say whether its getter or its setter raises",
+                    "a writable attribute must say whether its getter or its setter raises the "
+                    "exceptions",
                     "write 'getraises (...)' or 'setraises (...)'",
                 )
                 get_raises = self._exception_list("raises")

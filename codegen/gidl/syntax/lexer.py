@@ -2,9 +2,9 @@
 continues.
 
 Comments are collected separately: the parser finds the documentation of a declaration by the
-positions of tokens. `//@name(...)` comments become annotation tokens. If such a comment is alone on
-its line, its tokens join the token stream. If it follows code on its line, its tokens are kept in
-`Lexed.trailing`.
+positions of tokens. `//@name(...)` comments become annotation tokens. The tokens of a comment that
+is alone on its line join the token stream. The tokens of a comment that follows code on its line
+are kept in `Lexed.trailing`.
 """
 
 from __future__ import annotations

@@ -325,7 +325,7 @@ class Parser(InterfaceParser):
 
     def _opened(self, extras: Extras) -> None:
         """If the next token is `{`, adds the annotations in `//@` comments after this brace to the
-        declaration whose body it opens."""
+        declaration whose body the brace opens."""
         if self._is("{"):
             self._take_trailing(extras, self._now)
 

@@ -37,7 +37,8 @@ class Preprocessed:
     includes: list[Include] = field(default_factory=list)
     skipped: list[tuple[int, int]] = field(default_factory=list)  # offsets of inactive text
     first_directive: int | None = None
-    # Tokens of active `//@` comments after code, as in `Lexed`, but with their macros expanded.
+    # The tokens of `//@` comments after code, with macros expanded. Comments in text that an `#if`
+    # skips are left out. The keys are those of `Lexed.trailing`.
     trailing: dict[int, list[Token]] = field(default_factory=dict)
 
 

@@ -51,8 +51,8 @@ class CallFacts:
 
     def _named_constants(self) -> tuple[dict[str, str], dict[str, str]]:
         """Returns the names of the constants in the class that describes the interface. The first
-        map has the constants of the operations that the interface itself declares, the second map
-        those of the streams."""
+        map has the constants of the operations that the interface itself declares. The second map
+        has the constants of its streams."""
         described = self._layout.cpp_names.descriptions[self._interface.name].name
         local = LocalNames({described, *_DESCRIPTION})
         calls = {c.name: local.fresh(_constant_name(c)) for c in self._calls}

@@ -83,8 +83,8 @@ class _Ordering:
 
     def _needed(self, declaration: AnyDeclaration) -> set[str]:
         """Returns the name of `declaration`, and the names of the types in the file that must be
-        complete before it. These are all types that it contains, directly or indirectly, except in
-        sequences."""
+        complete before it. These are all types that `declaration` contains, directly or indirectly,
+        except in sequences."""
         needed, open_names = set[str](), {declaration.name}
         while open_names:
             name = open_names.pop()

@@ -69,8 +69,9 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
 
 
 def has_stubs(file: File) -> bool:
-    """Returns whether proxies and skeletons are generated for a file. The built-in operations need
-    none: the session calls and answers them, using their argument and result structs."""
+    """Returns whether proxies and skeletons are generated for a file. The file of the built-in
+    operations has none, because the session itself calls and answers the built-in operations, with
+    the help of their argument and result structs."""
     interfaces = [each.name for each in file.declarations if isinstance(each, Interface)]
     return any(name != BUILT_IN for name in interfaces)
 

@@ -114,8 +114,9 @@ class Tables(CallFacts):
 
 
 def _of_calls(member: Operation | Attribute) -> Qos:
-    """Returns the quality of the calls of `member`. The deadline of a stream is the longest time
-    between two samples. It does not limit a call of the getter, so it is left out."""
+    """Returns the quality of the calls of `member`. If the attribute `member` has a stream, the
+    quality has no deadline, because this deadline limits the time between two samples and not a
+    call of the getter."""
     streams = isinstance(member, Attribute) and member.streams_out
     return replace(member.qos, deadline_ns=None) if streams else member.qos
 

@@ -103,7 +103,7 @@ class WriterView:
 
 @dataclass(frozen=True, slots=True)
 class InwardView:
-    """An inward stream, as the servant reads it."""
+    """The view of an inward stream in the servant, which reads the samples."""
 
     doc: tuple[str, ...]
     name: str
@@ -130,7 +130,8 @@ class ResultView:
 
 @dataclass(frozen=True, slots=True)
 class HandlerView:
-    """A handler, which the author of a server implements, and the code that calls it."""
+    """A handler, which the author of a server implements, and the generated code that calls the
+    handler."""
 
     doc: tuple[str, ...]
     returns: str
@@ -194,7 +195,7 @@ class InterfaceView:
     @property
     def answers_else(self) -> str:
         """A C++ expression that asks each base servant to answer the call. The expression is true
-        if one of them has answered."""
+        if a base servant has answered."""
         asked = (f"{base}::gecos_answer({self.request})" for base in self.servant_bases)
         return " || ".join(asked) or "false"
 

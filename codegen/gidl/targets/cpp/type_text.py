@@ -144,8 +144,9 @@ class Types:
         return "{}"
 
     def _initial_array(self, array: ArrayType) -> str:
-        """Returns the initialiser of an array. For an array of enums it is not `{}` if the default
-        enumerator has another number than 0, because `{}` would set all elements to 0."""
+        """Returns the initialiser of an array. The initialiser `{}` would set all elements to 0. An
+        array of enums therefore has another initialiser if the number of the default enumerator is
+        not 0."""
         element: Type = array
         while isinstance(element, ArrayType):
             element = self.model.target(element.element)

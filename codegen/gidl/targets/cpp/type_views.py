@@ -171,7 +171,7 @@ class TypesView:
 
 def printed(name: str, prints: list[PrintView], end: str = "") -> tuple[str, ...]:
     """Returns the arguments that print a value: literals and members in turn, for example
-    `"Point{x=", value.x, " m}"`. If `end` is not empty, it is the last argument."""
+    `"Point{x=", value.x, " m}"`. If `end` is not empty, `end` is the last argument."""
     parts, literal = [], f"{name}{{"
     for i, each in enumerate(prints):
         literal += f"{', ' if i else ''}{each.label}"

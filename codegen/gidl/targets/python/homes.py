@@ -133,8 +133,8 @@ class ModuleNames:
 
 
 class NamesAsUsed(ModuleNames):
-    """The names by which a module refers to classes, if the classes are not known beforehand. A
-    class is added to the imports when its name is requested for the first time."""
+    """The names by which a module refers to classes, for a module whose classes are not known
+    beforehand. A class is added to the imports when its name is requested for the first time."""
 
     def __init__(self, homes: Homes, taken: Iterable[str]) -> None:
         super().__init__(homes)
@@ -147,8 +147,8 @@ class NamesAsUsed(ModuleNames):
 
 
 class AllNames(ModuleNames):
-    """The names that classes have in the modules that define them. They are used in texts for which
-    nothing is imported."""
+    """The names that classes have in the modules that define them. A text uses these names if the
+    classes are not imported for the text."""
 
     def _called(self, home: Home) -> str:
         return home.name

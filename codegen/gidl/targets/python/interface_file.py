@@ -77,7 +77,8 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
 
 def _in_module(lowering: Lowering, file: File, interfaces: list[Interface]) -> Lowering:
     """Returns a copy of `lowering` that prints names as the generated module `<file>.py` uses them.
-    This module also exports the types of the file, so the copy treats them as its own."""
+    The module `<file>.py` also exports the types of the file, so the copy treats these types as
+    defined in the module."""
     homes = lowering.module.homes
     used = {home for interface in interfaces for home in classes_of(lowering, interface)}
     own = python_module(file.path)

@@ -107,8 +107,8 @@ def renamed(names: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def units_of(units: Iterable[tuple[str, str | None]]) -> list[str]:
-    """Returns the keyword argument `units` of an exception. It maps the names of members,
-    as in the interface, to their units. Without a member that has a unit, there is no argument."""
+    """Returns the keyword argument `units` of an exception. The argument maps the names of members,
+    as in the interface, to their units. If no member has a unit, the list is empty."""
     pairs = [f"{quoted(name)}: {quoted(unit)}" for name, unit in units if unit]
     return [f"units={group(pairs, '{', '}')}"] if pairs else []
 

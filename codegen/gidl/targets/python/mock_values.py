@@ -29,8 +29,8 @@ from gidl.targets.python.type_text import DTYPES, bulk_code, is_octet
 
 
 class OwnNames:
-    """The names that a mock needs for itself. They differ from the names `taken`, which are those
-    of parameters and methods. The names of types are chosen later, so that they differ from the
+    """The names that a mock needs for itself. They differ from the names in `taken`, which are the
+    names of parameters and methods. The names of types are chosen later, and then differ from the
     names in this class."""
 
     def __init__(self, taken: Iterable[str]) -> None:

@@ -11,9 +11,9 @@ from gidl.model import Attribute, Operation, Struct
 from gidl.syntax.keywords import words
 from gidl.targets.naming import DOC_WIDTH, LocalNames, snake_case, wrapped
 
-# A name that is reserved in Python gets an underscore at its end. The reserved words are those of
-# gidl.layout.languages and those below. Names that generated code imports are not among them: each
-# of these gets an underscore at its beginning, and no name in an interface begins with an
+# A name that is reserved in Python gets an underscore at its end. The reserved words are the words
+# of gidl.layout.languages and the words below. A name that generated code imports is not reserved:
+# the name gets an underscore at its beginning, and no name in an interface begins with an
 # underscore.
 METHOD_WORDS = PYTHON_WORDS | {"property", "gecos_on_stop"}
 STRUCT_WORDS = PYTHON_WORDS | PYTHON_CLASS_WORDS | {"encode", "decode", "fingerprint"}
@@ -35,8 +35,8 @@ def mapped(struct: Struct) -> tuple[str, str] | None:
 
 def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
     """Returns `name`, with underscores appended if `words` has this name or a name that differs
-    only in underscores at its end. All names that differ only in such underscores get the same
-    number of them, so that they remain different."""
+    only in underscores at its end. The same number of underscores is appended to all names that
+    differ only in underscores at their ends, so that these names remain different."""
     plain = name.rstrip("_")
     taken = (len(word) - len(plain) for word in words if word.rstrip("_") == plain)
     return name + "_" * max((more + 1 for more in taken), default=0)
@@ -44,8 +44,8 @@ def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
 
 class Constants:
     """Chooses unique names for the constants of a module: for example `_MANIPULATOR_TOOL_OFFSET`
-    for ("Manipulator", "tool_offset"). If two names are equal in capitals, one gets an underscore
-    at its end."""
+    for ("Manipulator", "tool_offset"). If two names become equal in capital letters, one of the two
+    gets an underscore at its end."""
 
     def __init__(self) -> None:
         self._taken = LocalNames()
@@ -62,8 +62,8 @@ def method_name(name: str) -> str:
     return escaped(name, METHOD_WORDS)
 
 
-# No member of an interface has a name that one of the next two functions returns: the rule
-# gidl.rules.accessors refuses such a member.
+# No member of an interface has a name that one of the next two functions returns, because the rule
+# gidl.rules.accessors refuses a member with such a name.
 def setter(attribute: str) -> str:
     return f"set_{attribute}"
 

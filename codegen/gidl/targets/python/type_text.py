@@ -96,8 +96,8 @@ class Types:
         return text
 
     def fields(self, struct: Struct) -> tuple[FieldLayout, ...]:
-        """Returns the wire fields of all members, in the order of `Model.all_members`: those of the
-        bases come first."""
+        """Returns the wire fields of all members, in the order of `Model.all_members`: the fields
+        of the bases come first."""
         return self.layout.structs[struct.name].fields
 
     def words(self, struct: Struct) -> frozenset[str]:

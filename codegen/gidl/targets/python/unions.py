@@ -45,8 +45,8 @@ class Unions(ValueNames):
         )
 
     def _arm_step(self, case: UnionCase, arm: FieldLayout, layout: UnionLayout) -> str:
-        """Returns the layout step of an arm. If the step lists no tags, the arm is the default arm:
-        every tag that no other arm lists selects it."""
+        """Returns the layout step of an arm. A step that lists no tags is the step of the default
+        arm. Every tag that no other arm lists selects the default arm."""
         labels = () if case.is_default else case.labels
         tags = [self._lowering.literal(value, layout.tag) for value in labels]
         step = self._lowering.step(arm.node, case.member.secret)
