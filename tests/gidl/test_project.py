@@ -165,7 +165,7 @@ class TestProjectFile:
         ('outputs = 3\n', "1:1", "outputs: a table is expected", 'cpp = "src" below [outputs]'),
         ('[outputs]\n\ncpp = 1\n', "3:1", "outputs.cpp: the name of a folder is expected",
          'cpp = "src" below [outputs]'),
-        ('defines = ["A B"]\n', "1:1", "defines: 'A B' is neither NAME nor NAME=VALUE",
+        ('defines = ["A B"]\n', "1:1", "defines: 'A B' is not a constant: write NAME or NAME=VALUE",
          "for example"),
         ('wide = true\n', "1:1", "wide: 'utf8' is expected", 'wide = "utf8"'),
         ('strict = "yes"\n', "1:1", "strict: true or false is expected", "strict = true"),

@@ -10,7 +10,7 @@ from gidl.layout.function_codes import call_code, hashed_name
 from gidl.model import Attribute, Interface, Operation, Type
 
 _REFUSED = "old and new programs refuse each other's calls of the changed operation or attribute"
-_BESIDE = "keep the old declaration, and add a new one with another name"
+_BESIDE = "keep the old declaration, and add a new declaration with another name"
 
 
 def compare(sides: Sides, report: Report) -> None:
@@ -94,7 +94,7 @@ def _operation(sides: Sides, old: Operation, new: Operation, report: Report) -> 
         report.add("G1002", subject,
                    f"the feedback of '{subject}' was {old.feedback.name} and is now {is_now}",
                    "old clients cannot decode the feedback",
-                   "keep the type of the feedback, and add members at its end",
+                   "keep the type of the feedback, and add members at the end of this type",
                    new=places[0], old=places[1])  # fmt: skip
 
 

@@ -116,7 +116,7 @@ def _added(
         if not owner.grows:
             report.add(
                 "G1002", owner.subject, f"{what} is new, and '{owner.subject}' is @final", _MISREAD,
-                "declare another struct that contains this one", new=slot.facts,
+                "declare another struct that contains this struct", new=slot.facts,
             )  # fmt: skip
         elif not at_end:
             report.add(
@@ -195,8 +195,8 @@ def value(
     was, is_now = wire_text(sides.old, types[0]), wire_text(sides.new, types[1])
     if was != is_now:
         report.add("G1002", subject, f"{what} was {was} and is now {is_now}", _MISREAD,
-                   "keep the old declaration, and add a new one with another name", new=places[0],
-                   old=places[1])  # fmt: skip
+                   "keep the old declaration, and add a new declaration with another name",
+                   new=places[0], old=places[1])  # fmt: skip
         return False
     if optional[0] != optional[1]:
         now = "may be absent" if optional[1] else "is always there"

@@ -32,7 +32,8 @@ def compare(sides: Sides, report: Report) -> None:
         elif _kind(old) != _kind(new):
             report.add("G1002", old.name,
                        f"'{old.name}' was {_article(_kind(old))} and is now {_article(_kind(new))}",
-                       _MISREAD, "keep the old declaration, and give the new one another name",
+                       _MISREAD,
+                       "keep the old declaration, and give the new declaration another name",
                        new=new.facts, old=old.facts)  # fmt: skip
         else:
             _moved(sides, old, new, report)
@@ -82,7 +83,7 @@ def _moved(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Repor
     if source_stem(was) != source_stem(is_now):
         report.add("G1102", old.name, f"'{new.name}' has moved from {was} to {is_now}",
                    "the generated headers and modules that programs use are named after the file",
-                   f"include {is_now} in {was}, or move the declaration back",
+                   f"include {is_now} in {was}, or move the declaration back to {was}",
                    new=new.facts, old=old.facts)  # fmt: skip
 
 
@@ -181,12 +182,12 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report
                        old=was.facts)  # fmt: skip
     for name, now in after.items():
         if name not in before and not grows:
-            instead = "declare a new enum with @default_literal"
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is new",
                        f"old programs {refuse}" if default else
                        "old programs refuse the new enumerator",
                        "declare a new enum, and a new union or member with it" if default else
-                       f"{instead}, which readers use for unknown enumerators",
+                       "declare a new enum with @default_literal, which readers use for unknown "
+                       "enumerators",
                        new=now.facts)  # fmt: skip
 
 

@@ -65,7 +65,7 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
         "--depfile",
         type=Path,
         metavar="FILE",
-        help="write a list of all files read to this file, for Make and Ninja",
+        help="file in which gidl lists all files that it has read, for Make and Ninja",
     )
     gen.set_defaults(command=run)
 

@@ -57,7 +57,7 @@ def _defines(value: object, _: Path) -> str:
     if texts is None:
         return "a list of constants is expected"
     bad = [text for text in texts if not DEFINE.match(text)]
-    return f"'{bad[0]}' is neither NAME nor NAME=VALUE" if bad else ""
+    return f"'{bad[0]}' is not a constant: write NAME or NAME=VALUE" if bad else ""
 
 
 def _flag(value: object, _: Path) -> str:

@@ -88,7 +88,7 @@ def _codes(text: str) -> frozenset[str]:
 
 def _constant(text: str) -> str:
     if not DEFINE.match(text):
-        raise argparse.ArgumentTypeError(f"'{text}' is neither NAME nor NAME=VALUE")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a constant: write NAME or NAME=VALUE")
     return text
 
 
@@ -145,7 +145,7 @@ def files_of(chosen: argparse.Namespace) -> list[str] | None:
     else:
         there = (
             f"the roots of {chosen.project.file} have no interface files; name files, or "
-            "correct roots"
+            "correct the key roots"
         )
     print(f"gidl: no files named, and {there}", file=sys.stderr)
     return None

@@ -217,7 +217,7 @@ class Loader:
                     "G0004",
                     include.span,
                     f"files include each other: {chain}",
-                    "if neither file needs names of the other, write #pragma once before the "
+                    "if neither file needs names of the other file, write #pragma once before the "
                     "includes",
                 )
                 return None

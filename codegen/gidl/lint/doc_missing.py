@@ -19,12 +19,18 @@ def check(model: Model, findings: Findings) -> None:
         for operation in (*interface.operations, *interface.events):
             if not operation.facts.doc:
                 what = "event" if operation.is_event else "operation"
-                about = "what the operation does, and when the server refuses it"
+                advice = (
+                    "before the operation, write a comment /** ... */ that says what the "
+                    "operation does, and when the server refuses it"
+                )
                 if operation.is_event:
-                    about = "when the event occurs"
+                    advice = (
+                        "before the event, write a comment /** ... */ that says when the event "
+                        "occurs"
+                    )
                 findings.warning(
                     "G0907",
                     operation.facts.location,
                     f"{what} '{operation.name}' has no comment",
-                    f"before the {what}, write a comment /** ... */ that says {about}",
+                    advice,
                 )

@@ -20,7 +20,8 @@ def check(model: Model, findings: Findings) -> None:
             findings.warning(
                 "G0911",
                 enum.facts.location,
-                f"enum '{enum.simple_name}' has no @default_literal, so no literal can "
+                f"enum '{enum.simple_name}' has no @default_literal, so no enumerator can "
                 "be added later",
-                "write @default_literal before the enumerator for unknown values",
+                "write @default_literal before the enumerator that readers should use for "
+                "unknown values",
             )

@@ -98,7 +98,7 @@ class CorbaWriter(OmgWriter):
 
     def _struct(self, struct: Struct, deeper: int) -> None:
         if struct.base is not None:
-            self._cannot("a struct with a base", "declare a member whose type is the base")
+            self._cannot("a struct with a base", "declare a member whose type is the base struct")
         kind = "exception" if isinstance(struct, ExceptionStruct) else "struct"
         if kind == "struct" and not struct.members:
             self._cannot("an empty struct")
@@ -176,7 +176,9 @@ class CorbaWriter(OmgWriter):
 
     def _attribute(self, attribute: Attribute) -> None:
         if attribute.streams_in:
-            self._cannot("a stream that clients send", "declare an operation that takes the sample")
+            self._cannot(
+                "a stream that clients send", "declare an operation with the sample as a parameter"
+            )
         if attribute.get_raises or attribute.set_raises:
             self._cannot("exceptions of an attribute", "declare operations that get and set")
         if attribute.optional:

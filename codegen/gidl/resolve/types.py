@@ -375,7 +375,7 @@ class TypeResolver(ValueResolver):
                 self._findings.error(
                     "G0313",
                     second.span,
-                    "a case of a union can have only one member, but this one has several",
+                    "a case of a union can have only one member, but this case has several",
                     "write a case for each member, or use a struct",
                 )
             if members:

@@ -384,7 +384,7 @@ class ValueResolver(ABC):
             self._findings.error(
                 "G0306",
                 declarator.name.span,
-                f"an array has at most {MAX_ARRAY} elements, but this one has {math.prod(sizes)}",
+                f"an array has at most {MAX_ARRAY} elements, but this array has {math.prod(sizes)}",
                 "use a sequence",
             )
             return None

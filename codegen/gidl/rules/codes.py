@@ -66,6 +66,7 @@ def _unique(
                 "G0603",
                 member.facts.place_of("id") if is_own else interface.facts.location,
                 f"'{name}' and '{first[0]}' have the same function code {code}",
-                f"write @id(n) before one of the two, with an unused n above {LAST_RESERVED}",
+                f"write @id(n) before one of the two declarations; n is an unused number above "
+                f"{LAST_RESERVED}",
                 notes=(Note("this declaration has the same code", first[1].facts.location),),
             )

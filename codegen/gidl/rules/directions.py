@@ -19,8 +19,8 @@ def check(model: Model, findings: Findings) -> None:
                     parameter.facts.place_of("default"),
                     f"the {parameter.direction.value} parameter '{parameter.name}' cannot have a "
                     "default",
-                    "leave out the default: only an 'in' parameter, which a caller may leave "
-                    "out, can have one",
+                    "leave out the default: only an 'in' parameter can have a default, because "
+                    "only the caller may leave out a value",
                 )
         if member.result is None and member.facts.has("unit"):
             findings.error(

@@ -89,7 +89,7 @@ NOT_YET = (
     Term("qos", "latency", _no_real_time, "the latency is checked only with a real-time class"),
     Term("qos", "lifespan", _is_call, "only the samples of a stream have a lifespan"),
     Term("qos", "liveliness", _is_call, "only the writer of a stream must show that it is alive"),
-    Term("qos", "start_by", _is_stream, "only a call waits to be started"),
+    Term("qos", "start_by", _is_stream, "only a call has a time by which it must start"),
     Term(
         "qos",
         "deadline",

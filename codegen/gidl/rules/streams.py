@@ -45,6 +45,6 @@ def _direction(attribute: Attribute, findings: Findings) -> None:
         findings.error(
             "G0410",
             facts.place_of("stream"),
-            "only a stream that clients send can have a watchdog; the server publishes this one",
+            "only a stream that clients send can have a watchdog; the server publishes this stream",
             "leave out 'watchdog'",
         )

@@ -17,7 +17,7 @@ def check(model: Model, findings: Findings) -> None:
                 "G0320",
                 struct.facts.location,
                 f"'{base.simple_name}' is @appendable, so it cannot be a base: members appended "
-                f"to it would move the members of '{struct.simple_name}'",
+                f"to '{base.simple_name}' would move the members of '{struct.simple_name}'",
                 f"declare a member of type '{base.simple_name}' instead",
                 notes=(Note("the base is declared here", base.facts.location),),
             )

@@ -52,7 +52,9 @@ class ExpressionParser(TokenReader):
             operators.append(self._advance())
         result = self._primary()
         if len(operators) > 5:
-            self._findings.error("G0013", self._span(start), "more than 5 signs before a value")
+            self._findings.error(
+                "G0013", self._span(start), "there are more than 5 signs before this value"
+            )
             raise Skip
         for operator in reversed(operators):
             result = Unary(operator.text, result, self._since(operator))
