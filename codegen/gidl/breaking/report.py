@@ -9,7 +9,8 @@ CATEGORIES = ("WIRE", "SOURCE", "QOS", "SECURITY")
 
 
 def category_of(code: str) -> str:
-    """Returns the category of a code: G10xx is WIRE, G11xx SOURCE, G12xx QOS, G13xx SECURITY."""
+    """Returns the category of a code: G10xx is WIRE, G11xx is SOURCE, G12xx is QOS, and G13xx is
+    SECURITY."""
     return CATEGORIES[int(code[1:3]) - 10]
 
 

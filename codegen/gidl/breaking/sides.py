@@ -137,10 +137,10 @@ def _ranges(node: Node, part: str) -> Iterator[tuple[str, Range]]:
 
 
 def read_exactly(model: Model) -> dict[str, str]:
-    """Returns the enums of which readers refuse unknown enumerators although the enum has a
-    @default_literal. Each name of an enum comes with the reason. If the enum is the discriminator
-    of a union, the reader cannot tell which arm follows. If the enum is the key of a map, two
-    unknown keys would become the same key."""
+    """Returns the names of the enums whose unknown enumerators readers refuse in spite of a
+    @default_literal. The value for each name is the reason. If the enum is the discriminator of a
+    union, the reader cannot tell which arm follows. If the enum is the key of a map, two unknown
+    keys would become the same key."""
     found: dict[str, str] = {}
     for slot in slots(model):
         for key in _keys(model, slot.type):

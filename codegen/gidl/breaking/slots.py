@@ -64,7 +64,8 @@ def _may_be_left_out(slot: Slot) -> bool:
 
 
 def _leaves_core(owner: Owner, old: Sequence[Slot], new: Sequence[Slot], key: str) -> bool:
-    """Returns whether a writer may leave out the slot in only one of the two versions."""
+    """Returns whether a writer may leave out the slot in one of the two versions but not in the
+    other version."""
     return owner.grows and (key in _tail(old)) != (key in _tail(new))
 
 

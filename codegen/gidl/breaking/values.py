@@ -138,8 +138,8 @@ def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report
 
 def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report) -> None:
     """Compares two versions of an enum. `exact` is the reason why readers refuse unknown
-    enumerators even if the enum has a @default_literal; see `read_exactly` in sides.py. It is "" if
-    readers accept unknown enumerators."""
+    enumerators even if the enum has a @default_literal; see `read_exactly` in sides.py. If readers
+    accept unknown enumerators, `exact` is ""."""
     if old.default_literal != new.default_literal:
         report.add("G1004", old.name,
                    f"unknown enumerators of '{old.name}' were read as "

@@ -108,9 +108,9 @@ def _find_current_folder() -> None:
 
 
 def _replace_closed_streams() -> None:
-    """Replaces each standard stream that was closed before gidl started. For a closed stream,
-    Python has None. After the replacement, reading stdin and writing stdout fail with an OSError,
-    and text for stderr is lost."""
+    """Replaces each standard stream that was closed before gidl started, because Python has None in
+    place of a closed stream. After the replacement, reading stdin and writing stdout fail with an
+    OSError, and text for stderr is lost."""
     if sys.stdin is None:
         sys.stdin = os.fdopen(os.open(os.devnull, os.O_WRONLY))
     if sys.stdout is None:

@@ -38,8 +38,8 @@ class Project:
 
 
 def find(start: Path) -> Path | None:
-    """Returns the project file in the folder `start`, or else in the nearest folder above, or
-    None."""
+    """Returns the path of the project file in the folder `start`, or else in the nearest folder
+    above that has a project file. Returns None if none of these folders has one."""
     start = start.absolute()
     for folder in (start, *start.parents):
         if (folder / FILE).is_file():

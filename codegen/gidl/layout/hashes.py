@@ -187,8 +187,8 @@ def _old_name(member: Member) -> str:
 
 
 def _core_length(slots: tuple[Member, ...] | tuple[Parameter, ...]) -> int:
-    """Returns the number of members or parameters that remain when all defaulted and optional ones
-    at the end are left out."""
+    """Returns the number of members or parameters that remain after all defaulted and optional
+    members or parameters at the end are left out."""
     length = len(slots)
     while length and (slots[length - 1].optional or slots[length - 1].default is not None):
         length -= 1

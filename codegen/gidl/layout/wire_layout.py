@@ -135,8 +135,8 @@ class CallLayout:
 
 @dataclass(frozen=True, slots=True)
 class StreamLayout:
-    """The encoding of the samples of a stream. `code` is the function code that a getter of the
-    attribute has or would have."""
+    """The encoding of the samples of a stream. `code` is the function code of the attribute's
+    getter. An attribute without a getter has the code that its getter would have."""
 
     name: str
     code: int

@@ -14,6 +14,6 @@ DIALECTS: Mapping[str, type[OmgWriter]] = {"corba": CorbaWriter, "dds": DdsWrite
 
 
 def omg_text(model: Model, dialect: str, whole: bool, findings: Findings) -> str:
-    """Prints the files that the user asked for, or with `whole` all files, as OMG IDL in `dialect`.
-    Each construct that the dialect cannot express becomes a finding."""
+    """Prints the files that the user asked for as OMG IDL in `dialect`; with `whole`, prints all
+    files. Each construct that the dialect cannot express becomes a finding."""
     return DIALECTS[dialect](model, findings).text(whole)

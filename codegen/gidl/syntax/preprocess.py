@@ -48,8 +48,8 @@ def preprocess(
     macros: Macros,
     on_include: Callable[[Include], None],
 ) -> Preprocessed:
-    """Executes the preprocessor lines, and calls `on_include` for each `#include`. Both read and
-    change `macros`."""
+    """Executes the preprocessor lines, and calls `on_include` for each `#include`. This function
+    and `on_include` both read and change `macros`."""
     return _Preprocessor(lexed, findings, macros, on_include).run()
 
 

@@ -94,15 +94,16 @@ def members_of(values: Sequence[CallValue]) -> tuple[Member, ...]:
 
 
 def stream_attributes(model: Model, layout: Layout, interface: Interface) -> list[Attribute]:
-    """Returns the streams that the server publishes, including inherited ones, sorted by function
-    code."""
+    """Returns the streams that the server publishes, including inherited streams, sorted by
+    function code."""
     members = model.all_interface_members(interface)
     found = [m for m in members if isinstance(m, Attribute) and m.streams_out]
     return sorted(found, key=lambda a: layout.stream(a.scoped_name).code)
 
 
 def inward_streams(model: Model, layout: Layout, interface: Interface) -> list[Attribute]:
-    """Returns the streams that clients send, including inherited ones, sorted by function code."""
+    """Returns the streams that clients send, including inherited streams, sorted by function
+    code."""
     members = model.all_interface_members(interface)
     found = [m for m in members if isinstance(m, Attribute) and m.streams_in]
     return sorted(found, key=lambda a: layout.stream(a.scoped_name).code)

@@ -58,8 +58,8 @@ def file_text(model: Model, layout: Layout, file: File) -> str:
 
 
 def model_text(model: Model, layout: Layout, whole: bool = False) -> str:
-    """Returns the output of `gidl dump`: the JSON of the files named on the command line, or with
-    `whole` of all files that were read."""
+    """Returns the output of `gidl dump`: the JSON of the files named on the command line or, with
+    `whole`, the JSON of all files that were read."""
     dumper = _Dumper(model, layout)
     files = [dumper.file(f) for f in model.files if whole or f.asked_for]
     return json.dumps({"files": files}, indent=1, ensure_ascii=False) + "\n"

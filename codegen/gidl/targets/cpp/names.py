@@ -55,7 +55,8 @@ def type_name(model: Model, layout: Layout, scoped_name: str) -> str:
 
 
 def function_name(model: Model, layout: Layout, scoped_name: str, function: str) -> str:
-    """The name of `function` in the namespace of a value's type: `::robcl::decode_enum`."""
+    """The name of `function` in the namespace of a value's type, for example
+    `::robcl::decode_enum`."""
     return f"{type_name(model, layout, scoped_name).rpartition('::')[0]}::{function}"
 
 

@@ -60,7 +60,8 @@ class Types:
         return names.type_name(self.model, self.layout, scoped_name)
 
     def function(self, scoped_name: str, function: str) -> str:
-        """The name of `function` in the namespace of a declared type: `::robcl::decode_enum`."""
+        """The name of `function` in the namespace of a declared type, for example
+        `::robcl::decode_enum`."""
         return names.function_name(self.model, self.layout, scoped_name, function)
 
     def type(self, used: Type, optional: bool = False) -> str:
@@ -121,11 +122,9 @@ class Types:
         return number_text(value, kind)
 
     def initial(self, member: Member) -> str:
-        """The initialiser after a member's name: " = 1.0" or "{}".
-
-        It is never empty, so that a program may initialise only some members of a struct
-        (`Trajectory{.speed = 0.5}`) without a warning by -Wextra.
-        """
+        """The initialiser after a member's name: " = 1.0" or "{}". The initialiser is never empty,
+        so that a program may initialise only some members of a struct (`Trajectory{.speed = 0.5}`)
+        without a warning by -Wextra."""
         if member.optional:
             return "{}"
         if member.default is not None:
@@ -169,8 +168,8 @@ _ESCAPES = {"\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\0": "\\0"}
 
 
 def _quoted(text: str, quote: str) -> str:
-    """Returns a C++ literal between two characters `quote`. A char is one byte of Latin-1, and a
-    string is UTF-8."""
+    """Returns a C++ literal that begins and ends with the character `quote`. A char is one byte of
+    Latin-1, and a string is UTF-8."""
     out = ""
     for letter in text:
         if letter == quote or (letter == "?" and out.endswith("?")):  # avoids a trigraph

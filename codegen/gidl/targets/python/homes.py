@@ -11,7 +11,8 @@ from gidl.layout.wire_layout import Layout
 from gidl.model import File, Interface, Model, Operation, Struct
 from gidl.targets.naming import LocalNames
 
-# The type of all values whose declared type is an interface, and the file that declares ObjectRef.
+# ObjectRef, which is the type of all values whose declared type is an interface, and the file that
+# declares ObjectRef.
 OBJECT_REF = "gecos::ObjectRef"
 _OBJECT_REF_FILE = "gecos/object_ref.gidl"
 

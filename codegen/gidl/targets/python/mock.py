@@ -25,7 +25,7 @@ from gidl.targets.python.mock_values import MockValues, OwnNames, plain_hint
 
 @dataclass(frozen=True, slots=True)
 class HeldView:
-    """An attribute of a mock. Its getter returns the value that was set last."""
+    """An attribute of a mock. The getter of the attribute returns the value that was set last."""
 
     name: str
     hint: str

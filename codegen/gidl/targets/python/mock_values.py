@@ -74,8 +74,8 @@ class MockValues:
         return f"{self._own['builtins']}.{word}" if word in hidden else word
 
     def _value(self, node: Node, default: Value | None = None, hidden: Collection[str] = ()) -> str:
-        """Returns an expression for the value that a mock returns. The expression does not use a
-        builtin by a name in `hidden`, because a parameter has this name."""
+        """Returns an expression for the value that a mock returns. The expression uses no builtin
+        whose name is in `hidden`, because a parameter has this name."""
         if default is not None and not isinstance(node, OptionalNode):
             return self._lowering.literal(default, node)
         match node:
