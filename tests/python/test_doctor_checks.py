@@ -293,7 +293,8 @@ def test_a_key_that_is_not_admitted_is_no_missing_broker() -> None:
             "the broker",
         ),
         (
-            'it admits only user root of host cell; write users = ["ben"] below [allow] in a.toml',
+            "BROKER admits only user root of host cell; "
+            'write users = ["ben"] below [allow] in a.toml',
             'ask the user of the broker to write users = ["ben"] below [allow] in a.toml',
         ),
         (

@@ -145,7 +145,7 @@ def test_a_user_of_another_host_enrols_is_admitted_by_a_list_moves_and_is_revoke
     assert two.gecos(CELL, "approve", "ben@desk").finish() == 0
     refused = two.gecos(DESK, "call", "RAIL", "measure")
     assert refused.finish() == 4
-    assert "BROKER refuses user ben of host desk: it admits only" in refused.output()
+    assert "BROKER refuses user ben of host desk: BROKER admits only" in refused.output()
 
     two.edit(
         '[objects.BROKER.allow]\nusers = ["ben"]\nhosts = ["desk"]\n[allow]\nusers = ["ben"]\n'

@@ -30,13 +30,14 @@ TEST(AccessPolicy, AdmitsOnlyTheUserOfTheServerAndRootOfItsHostByDefault) {
 
 TEST(AccessPolicy, RefusesWithWordsThatSayWhatToChangeWhere) {
   EXPECT_EQ(AccessPolicy{}.decide(lab_user, bob_here, "RX90").text,
-            "RX90 refuses user bob of host cell: it admits only user gecos of host cell; write "
+            "RX90 refuses user bob of host cell: RX90 admits only user gecos of host cell; write "
             "users = [\"bob\"] below [allow] in a lab file (GECOS_LAB_FILE)");
-  EXPECT_EQ((AccessPolicy{.lab = {.file = "/etc/gecos/lab.toml"}}
-                 .decide(lab_user, {"gecos", "bench1"}, "RX90")
-                 .text),
-            "RX90 refuses user gecos of host bench1: it admits only user gecos of host cell; write "
-            "hosts = [\"bench1\"] below [allow] in /etc/gecos/lab.toml");
+  EXPECT_EQ(
+      (AccessPolicy{.lab = {.file = "/etc/gecos/lab.toml"}}
+           .decide(lab_user, {"gecos", "bench1"}, "RX90")
+           .text),
+      "RX90 refuses user gecos of host bench1: RX90 admits only user gecos of host cell; write "
+      "hosts = [\"bench1\"] below [allow] in /etc/gecos/lab.toml");
   const AccessPolicy named{.lab = {.file = "lab.toml", .general = list_for({"anna"})}};
   EXPECT_EQ(named.decide(lab_user, bob_here, "RX90").text,
             "RX90 refuses user bob of host cell: [allow] in lab.toml:3 does not name user bob; add "
@@ -83,7 +84,7 @@ TEST(MayReport, TheOwnerOfASourceAloneAndOtherwiseTheUserOfTheZone) {
   EXPECT_EQ(may_report(lab, "CELL", "DOOR", other).text,
             "a program of user ben of host gate may not report for DOOR of CELL: "
             "[objects.CELL.sources] in lab.toml:2 binds this source to user door of host gate; "
-            "report as this user, or name another user there");
+            "report as this user, or name another user in that table");
   EXPECT_EQ(may_report(lab, "CELL", "GRIP", other).text,
             "a program of user ben of host gate may not report for GRIP of CELL: no "
             "[objects.CELL.sources] of a lab file binds this source, so only the user of the "
@@ -110,7 +111,7 @@ TEST(MayRegister, SaysTheRuleAndWhatToDo) {
   EXPECT_EQ(may_register(lab, "RX90", UserAtHost{"ben", "desk"}).text,
             "a server of user ben of host desk may not register RX90: [names] in lab.toml:3 binds "
             "this name to user robcl of host cell; serve the object as this user, or write RX90 = "
-            "\"ben@desk\" there");
+            "\"ben@desk\" in that table");
   EXPECT_EQ(may_register(lab, "RX90", std::nullopt).text,
             "a server whose key has no owner may not register RX90: [names] in lab.toml:3 binds "
             "this name to user robcl of host cell; name the owner of the key at the broker: gecos "

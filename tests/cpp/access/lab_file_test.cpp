@@ -85,8 +85,8 @@ TEST(LabFile, RefusesAnOwnerThatIsNotOneUserOfOneHost) {
   }
   EXPECT_EQ(error_in("names = 1"), "lab.toml:1: names: a table is expected");
   EXPECT_EQ(error_in("[names]\nBROKER = \"robcl@cell\""),
-            "lab.toml:2: names.BROKER: the broker is not registered under its name, so no rule can "
-            "protect the name; each client decides by key or user which brokers it trusts");
+            "lab.toml:2: names.BROKER: the broker is not registered under a name, so this line has "
+            "no effect; remove it: each client decides by key or user which brokers it trusts");
 }
 
 TEST(LabFile, PlacesObjectsInZones) {
@@ -120,9 +120,10 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
        "lab.toml:2: objects.RX90.zone: the name of a zone is expected, for example zone = "
        "\"CELL\""},
       {"[objects.CELL]\nzone = \"CELL\"",
-       "lab.toml:2: objects.CELL.zone: a zone cannot be in itself"},
+       "lab.toml:2: objects.CELL.zone: a zone cannot be in itself; remove this line"},
       {"[objects.BROKER]\nzone = \"CELL\"",
-       "lab.toml:2: objects.BROKER.zone: the broker moves nothing, so it needs no zone"},
+       "lab.toml:2: objects.BROKER.zone: the broker moves nothing, so it needs no zone; remove "
+       "this line"},
       {"[clock]\nsped = 10", "lab.toml:2: clock.sped: this key is unknown; did you mean speed?"},
       {"clock = 10", "lab.toml:1: clock: a table is expected"},
       {"[broker]\nadress = \"shm\"",
@@ -135,8 +136,8 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
        "lab.toml:2: broker.address: the address of a broker is expected, for example address = "
        "\"lcm\""},
       {"[broker]\nstart = true\naddress = \"lcm\"",
-       "lab.toml:3: broker.address: this names a broker that runs already, which contradicts "
-       "`start = true`; leave out one of the two"},
+       "lab.toml:3: broker.address: this address names a broker that runs already, but "
+       "`start = true` starts one; leave out `address` or `start`"},
       {"[programs.GRIPPER]\nrun = [\"g\"]\nrestrat = true",
        "lab.toml:3: programs.GRIPPER.restrat: this key is unknown; did you mean restart?"},
       {"[allow]\nusers = \"anna\"",

@@ -264,8 +264,9 @@ TEST_F(LeaseTableTest, ReleaseDrainsBeforeAnybodyElseGetsIn) {
   EXPECT_TRUE(table.may_queue(kAda, epoch, Status::Sensor, now));
   const auto refused = table.acquire(kBob, bob, Status::Actor, kNoPassword, now);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().text.find("it is released, but the last commands under it still run"),
-            std::string::npos);
+  EXPECT_NE(
+      refused.error().text.find("the status is released, but the last commands under it still run"),
+      std::string::npos);
   table.drained(kAda);
   EXPECT_TRUE(table.acquire(kBob, bob, Status::Actor, kNoPassword, now));
 }

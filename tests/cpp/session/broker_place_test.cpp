@@ -104,8 +104,8 @@ TEST_F(BrokerPlace, IsNotSoughtElsewhereIfTheLabFileIsMissingOrHasAnError) {
             unusable + ":2: broker.adress: this key is unknown; did you mean address?" + remedy);
   EXPECT_EQ(missing({.lab_file = write("[broker]\naddress = \"lcm\"\nstart = true\n")}),
             unusable +
-                ":2: broker.address: this names a broker that runs already, which contradicts "
-                "`start = true`; leave out one of the two" +
+                ":2: broker.address: this address names a broker that runs already, but "
+                "`start = true` starts one; leave out `address` or `start`" +
                 remedy);
 }
 

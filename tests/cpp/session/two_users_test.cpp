@@ -231,7 +231,7 @@ TEST_F(TwoUsersOfOneHost, NobodyElseIsAdmittedByDefault) {
   const std::string refused = use(daemon);
   EXPECT_EQ(refused.find("PROBE: NO_SERVER: the broker refuses this program: shm:"), 0u) << refused;
   EXPECT_NE(refused.find("BROKER refuses user daemon of host " + gecos::host_name() +
-                         ": it admits only user root of host " + gecos::host_name() +
+                         ": BROKER admits only user root of host " + gecos::host_name() +
                          "; write users = [\"daemon\"] below [allow] in " + place.file()),
             std::string::npos)
       << refused;

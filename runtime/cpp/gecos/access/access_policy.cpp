@@ -10,7 +10,7 @@ bool names(const std::vector<std::string>& list, const std::string& name) {
   return std::ranges::any_of(list, [&](const auto& one) { return one == name || one == everyone; });
 }
 
-/// Returns why `list` does not admit `who`; no value when it does.
+/// Returns the reason for which `list` refuses `who`; no value when `list` admits `who`.
 std::optional<AccessRule> refusal_of(const AllowList& list, const UserAtHost& server,
                                      const UserAtHost& who) {
   if (who.user != server.user && !names(list.users, who.user)) return AccessRule::UserNotNamed;
@@ -18,7 +18,8 @@ std::optional<AccessRule> refusal_of(const AllowList& list, const UserAtHost& se
   return std::nullopt;
 }
 
-/// Returns the rule that admits `who` whatever the lists say; no value if there is none.
+/// Returns the rule that admits `who` regardless of the lists; no value if only a list can admit
+/// `who`.
 std::optional<AccessRule> admitted_without_list(const UserAtHost& server, const UserAtHost& who) {
   if (who == server) return AccessRule::OwnUser;
   if (who == UserAtHost{"root", server.host}) return AccessRule::Root;
@@ -90,9 +91,9 @@ AccessDecision nobody_named(const LabAccess& lab, const UserAtHost& server, cons
            : (who.user == server.user ? "" : "users = [\"" + who.user + "\"], ") + "hosts = [\"" +
                  who.host + "\"]";
   const std::string file = lab.file.empty() ? "a lab file (GECOS_LAB_FILE)" : lab.file;
-  return refuse(
-      AccessRule::NobodyNamed, who, object,
-      "it admits only " + words(server) + "; write " + line + " below [allow] in " + file);
+  return refuse(AccessRule::NobodyNamed, who, object,
+                std::string(object) + " admits only " + words(server) + "; write " + line +
+                    " below [allow] in " + file);
 }
 
 }  // namespace
@@ -123,7 +124,7 @@ NameDecision may_register(const LabAccess& lab, const std::string& name,
   if (*who == owner) return {true, server + " may register " + name + ": " + rule};
   return {false, server + " may not register " + name + ": " + rule +
                      "; serve the object as this user, or write " + name + " = \"" + who->user +
-                     "@" + who->host + "\" there"};
+                     "@" + who->host + "\" in that table"};
 }
 
 NameDecision may_report(const LabAccess& lab, const std::string& zone, const std::string& source,
@@ -147,7 +148,7 @@ NameDecision may_report(const LabAccess& lab, const std::string& zone, const std
     return {true, who + " may report for " + what + ": " + place + " names this user"};
   }
   return {false, who + " may not report for " + what + ": " + place + " binds this source to " +
-                     words(owner) + "; report as this user, or name another user there"};
+                     words(owner) + "; report as this user, or name another user in that table"};
 }
 
 AccessRule decide_by(const AllowList& list, const UserAtHost& server, const UserAtHost& who) {
@@ -166,11 +167,12 @@ AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& 
     return admit(*rule, who, object,
                  *rule == AccessRule::OwnUser
                      ? "the server of the object runs as this user of this host"
-                     : "root of a host may do everything on it");
+                     : "root may do everything on its own host");
   }
   if (insecure) {
-    return admit(AccessRule::Insecure, who, object,
-                 "its server was started with --insecure, so no list counts");
+    return admit(
+        AccessRule::Insecure, who, object,
+        "the server of the object was started with --insecure, so no list of users counts");
   }
   const AllowList* const in_file = list_of(lab, server, who, object);
   const AllowList* const in_program = program ? &*program : nullptr;

@@ -28,8 +28,9 @@ inline constexpr std::string_view everyone = "*";
 /// The longest name of a user or of a host in a list, and of an object, in bytes.
 inline constexpr std::size_t longest_name = 256;
 
-/// Returns why no user, host or object can have `name` here, to be read after "a name "; an empty
-/// text if it can. @pre `name` is UTF-8
+/// Returns why a user, a host or an object cannot have the name `name`, as the rest of a sentence
+/// that begins with "a name"; an empty text if the name is valid.
+/// @pre `name` is UTF-8
 std::string_view fault_of_name(std::string_view name);
 
 /// The users and hosts that may connect to a server, in addition to the user and the host of the
@@ -93,7 +94,7 @@ NameDecision may_register(const LabAccess& lab, const std::string& name,
 
 /// A program that wants to report for a source of a zone, such as a door.
 struct Reporter {
-  /// no value if nothing proves the user and the host of the program
+  /// The user and the host of the program; no value if nothing proves them.
   std::optional<UserAtHost> who{};
   bool own = false;  ///< the program is of the user of the zone's server, or of root on its host
 };
@@ -123,16 +124,16 @@ AllowList whom_both_admit(const AllowList& one, const AllowList& other);
 struct AccessPolicy {
   std::optional<AllowList> program{};  ///< given to `Server::allow`
   LabAccess lab{};
-  /// Every user on every host may connect, whatever the two lists say. Everything else of the lab
-  /// file holds: the administrators, the names, the zones and their sources.
+  /// If true, every user on every host may connect: the list of the program and the list of the lab
+  /// file do not count. The administrators, the names, the zones and the sources of zones in the
+  /// lab file still count.
   bool insecure = false;
 
   AccessDecision decide(const UserAtHost& server, const UserAtHost& who,
                         std::string_view object) const;
-  /// Returns the list of those whom the program names and whom `decide` admits to `object`: the
-  /// list of the program, made narrower by the list of the lab file that holds for the object.
-  /// Without a list of the program, returns a list that names nobody. @pre `object` is not the
-  /// broker
+  /// Returns the list of the program without the users and hosts that the list of the lab file for
+  /// `object` does not name. If the program has no list, returns a list that names nobody.
+  /// @pre `object` is not the broker
   AllowList named_by_program(std::string_view object) const;
   /// Returns whether `who` may end the status of other users. The user of the server may do so on
   /// the server's host, and the users in [admin] of the lab file may do so.

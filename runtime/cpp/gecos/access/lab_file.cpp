@@ -78,9 +78,10 @@ class LabFileReader {
     if (const auto* names = find(root, "names", "names")) {
       for (const auto& [name, owner] : *names) {
         if (name.str() == broker_object) {
-          refuse(name.source(), "names.BROKER",
-                 "the broker is not registered under its name, so no rule can protect the name; "
-                 "each client decides by key or user which brokers it trusts");
+          refuse(
+              name.source(), "names.BROKER",
+              "the broker is not registered under a name, so this line has no effect; remove it: "
+              "each client decides by key or user which brokers it trusts");
         }
         lab.names.emplace(name.str(), owner_of(name, owner, "names"));
       }
@@ -104,9 +105,10 @@ class LabFileReader {
              "the address of a broker is expected, for example address = \"lcm\"");
     }
     if (start != nullptr && start->value_or(false)) {
-      refuse(address->source(), "broker.address",
-             "this names a broker that runs already, which contradicts `start = true`; leave out "
-             "one of the two");
+      refuse(
+          address->source(), "broker.address",
+          "this address names a broker that runs already, but `start = true` starts one; leave out "
+          "`address` or `start`");
     }
     return {address->ref<std::string>(),
             "[broker] in " + file_ + ":" + std::to_string(line_of(address->source()))};
@@ -172,8 +174,8 @@ class LabFileReader {
     }
     if (zone == object || object == broker_object) {
       refuse(value.source(), place,
-             zone == object ? "a zone cannot be in itself"
-                            : "the broker moves nothing, so it needs no zone");
+             zone == object ? "a zone cannot be in itself; remove this line"
+                            : "the broker moves nothing, so it needs no zone; remove this line");
     }
     return zone;
   }
@@ -230,7 +232,8 @@ class LabFileReader {
   const std::string& file_;
 };
 
-/// Returns what `read` returns for the tree of a lab file, or the error in the file.
+/// Parses the text of a lab file. Returns the result of `read` for the parsed tree, or the error in
+/// the text.
 template <class Read>
 auto parse(const std::string& text, const std::string& file, Read read)
     -> tl::expected<decltype(read(LabFileReader(file), toml::table())), LabFileError> {

@@ -9,7 +9,8 @@
 
 namespace gecos::access {
 
-/// An error in a lab file. Printed as "lab.toml:3: allow.user: this key is unknown; …".
+/// An error in a lab file. Its text is, for example, "lab.toml:3: allow.user: this key is unknown;
+/// …".
 struct LabFileError {
   std::string file;
   std::size_t line = 0;  ///< counted from 1; 0: the error concerns the whole file
@@ -25,7 +26,7 @@ std::string to_string(const LabFileError& error);
 tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
                                                      const std::string& file);
 
-/// Where a lab file says that the broker of the laboratory is, in its table [broker].
+/// The address of a laboratory's broker, as the table [broker] of a lab file states it.
 struct LabBroker {
   std::string address{};  ///< for example "lcm"; empty: the broker is on the host of the program
   std::string place{};    ///< of the address, for messages: "[broker] in /etc/gecos/lab.toml:4"
@@ -48,8 +49,8 @@ class EditedLabFile {
   explicit EditedLabFile(std::string file);
 
   /// Takes the present text of the file, or the error that occurred when the file was read. Returns
-  /// the error that the caller must report. Returns nullopt when `now` is valid, and when it equals
-  /// the `now` of the previous call, so that each error is reported once.
+  /// the error that the caller must report. Returns nullopt when `now` is valid, and when `now`
+  /// equals the `now` of the previous call, so that each error is reported once.
   std::optional<LabFileError> take(const Text& now);
 
   const LabAccess& lists() const { return lists_; }

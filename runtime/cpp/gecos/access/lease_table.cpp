@@ -38,7 +38,7 @@ std::string describe(const Holder& holder, TimePoint now) {
   if (holder.taken_over) {
     text += "; " + program + " took over " + seconds(now - holder.taken_over_since) + " ago";
   }
-  text += holder.releasing ? "; it is released, but the last commands under it still run"
+  text += holder.releasing ? "; the status is released, but the last commands under it still run"
                            : "; " + program + " loses the status if it stays silent for " +
                                  seconds(holder.expires - now) + " more";
   return text;
@@ -102,8 +102,9 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
           now));
     }
     if (!password_.proves_the_same_as(password)) {
-      const std::string given = password.empty() ? "no password was given"
-                                                 : "the given password is wrong, so ask the holder";
+      const std::string given = password.empty()
+                                    ? "no password was given, so ask the holder for it"
+                                    : "the given password is wrong, so ask the holder for it";
       return tl::unexpected(
           refuse(Reason::WrongPassword,
                  status + " status refused: it is shared by password, and " + given, now));

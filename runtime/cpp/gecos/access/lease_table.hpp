@@ -99,7 +99,7 @@ class LeaseTable {
   bool compares_password(SessionId session) const;
 
   /// Returns the refusal for a session that has released its status and requests `wanted` again
-  /// while other clients wait for it.
+  /// while other clients wait for a status.
   LeaseRefusal refusal_to_return(Status wanted, TimePoint now) const;
 
   /// Must be called at each sign of life of `session`. Does nothing when the session is no holder.

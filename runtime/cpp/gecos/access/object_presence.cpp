@@ -21,8 +21,9 @@ bool ObjectPresence::take(Report report, TimePoint made, TimePoint now) {
   told_ = present ? Told::Present : Told::Absent;
   told_until_ = until;
   spell_ = report.spell;
-  why_ =
-      report.present && !present ? "the report of the zone came too late" : std::move(report.why);
+  why_ = report.present && !present
+             ? "the report of the zone came too late; wait for its next report"
+             : std::move(report.why);
   if (present && now >= not_before_) {
     if (!std::exchange(counts_, true)) since_.store(now, std::memory_order_relaxed);
     until_.store(until, std::memory_order_release);
@@ -48,8 +49,8 @@ bool ObjectPresence::enter(std::string zone, TimePoint now) {
   return lose(now) || needed_nobody;
 }
 
-/// Also called when reported presence is lost before it counts: `settling` then begins again,
-/// because a command may have been issued since the report.
+/// Called when presence ends, and also when a person leaves before the reported presence counts.
+/// The time `settling` then begins again, because a command may have been issued since the report.
 bool ObjectPresence::lose(TimePoint now) {
   not_before_ = now + settling;
   until_.store(TimePoint::min(), std::memory_order_relaxed);

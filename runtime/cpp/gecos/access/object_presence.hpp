@@ -16,8 +16,8 @@ namespace gecos::access {
 /// `settling` begins `settling` again.
 ///
 /// Pure: the caller passes the time, CLOCK_BOOTTIME, which also counts while the machine is
-/// suspended. Any thread may call present() and present_since(); the object's mutex guards the
-/// rest.
+/// suspended. Any thread may call present() and present_since(); for all other functions, the
+/// caller must hold the object's mutex.
 class ObjectPresence {
  public:
   static constexpr Duration report_life = std::chrono::seconds(1);
@@ -38,8 +38,9 @@ class ObjectPresence {
     std::uint64_t spell = 0;  ///< number of the present time of presence, or else of the last one
     std::string why;          ///< a text for people
   };
-  // Each of these functions returns true when presence counted before and counts no longer. The
-  // commands that need presence must then end.
+  // take(), on_tick(), forget() and enter() return true when presence counted before and counts no
+  // longer. The commands that need presence must then end.
+
   /// Takes a report that the zone made at `made`. If `made` is later than `now`, the report counts
   /// as made at `now`.
   bool take(Report report, TimePoint made, TimePoint now);

@@ -16,8 +16,8 @@ class PasswordLimit {
   static constexpr std::size_t most_wrong = 5;
   static constexpr Duration within = std::chrono::minutes(1);
 
-  /// Returns how long `user` must wait before its next password is compared; zero when it need not
-  /// wait.
+  /// Returns how long `user` must wait before the next password of this user is compared; zero when
+  /// no wait is needed.
   Duration wait(const std::string& user, TimePoint now) const;
   /// Must be called when `user` has given a wrong password.
   void count_wrong(const std::string& user, TimePoint now);

@@ -22,7 +22,8 @@ Proof& Proof::operator=(Proof&& other) noexcept {
 Proof::~Proof() { wipe(); }
 
 void Proof::wipe() {
-  // `volatile`, because otherwise the compiler may remove writes to memory that is freed next.
+  // The pointer is `volatile`, because the compiler may otherwise remove writes to memory that is
+  // freed next.
   volatile std::byte* const byte = bytes_.data();
   for (std::size_t i = 0; i < bytes_.size(); ++i) byte[i] = std::byte{0};
 }

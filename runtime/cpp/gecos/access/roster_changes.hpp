@@ -30,7 +30,7 @@ struct RosterChange {
 };
 
 /// Numbers the changes of the holders of one object, and keeps the newest changes. A client that
-/// asks for the changes after the newest one that it knows is told each change once.
+/// asks for the changes after the newest change that it knows gets each change once.
 ///
 /// The caller passes the current time. Reads no clock and does no I/O.
 class RosterChanges {

@@ -25,7 +25,8 @@ bool admits_visitor(const ProgramList& one, const UserAtHost& who) {
 bool VisitorBook::set(const std::string& name, ProgramList list, std::uint64_t revision) {
   const MutexLock lock(mutex_);
   const auto found = lists_.find(name);
-  // A medium may deliver an earlier registration after a later one.
+  // A medium may deliver an earlier registration after a later one. The list of the later
+  // registration, which has the greater number, stays in force.
   if (found != lists_.end() && found->second.program.server == list.server &&
       list.number <= found->second.program.number) {
     return false;

@@ -18,10 +18,10 @@
 /// else at the broker.
 namespace gecos::access {
 
-/// The most users, and the most hosts, that a program may name.
+/// The maximum number of users, and of hosts, that a program may name.
 inline constexpr std::size_t most_admitted_names = 256;
 
-/// One life of a server, as the medium proves it to the broker.
+/// One run of a server process, as the medium proves it to the broker.
 struct ServerLife {
   UserAtHost user;
   std::uint64_t boot = 0;  ///< differs after each restart of the server
@@ -30,55 +30,61 @@ struct ServerLife {
   friend bool operator==(const ServerLife&, const ServerLife&) = default;
 };
 
-/// Whom the program of one server admits to its objects, as the server told the broker.
+/// The users and hosts that the program of one server admits to its objects, as the server told the
+/// broker.
 struct ProgramList {
   ServerLife server;
   std::uint64_t number = 0;  ///< of this list; a later list of the same life has a greater number
   AllowList list;
 };
 
-/// Returns whether `one` makes `who` a visitor: the list names `who`, by the rule by which the
-/// server itself decides. The user of the server and root need no list, and so are no visitors.
+/// Returns whether the list in `one` names `who`, which makes `who` a visitor. The server itself
+/// decides by the same rule. The user of the server and root need no list, so they are no visitors.
 bool admits_visitor(const ProgramList& one, const UserAtHost& who);
 
-/// The lists of the objects that the broker knows, and the users whom the user of the broker has
-/// revoked. A list stays while the server of the object is silent and keeps the name. The list of a
-/// revoked user makes nobody a visitor. Thread-safe.
+/// The broker's record of its visitors: the list of users and hosts for each object, and the users
+/// whom the broker's user has revoked. The list of an object stays as long as the object keeps its
+/// name, even while its server is silent. The list of a revoked user makes nobody a visitor.
+/// Thread-safe.
 class VisitorBook {
  public:
-  /// Sets the list of the object `name`. The call has no effect if the book has a list of the same
-  /// life of the server with the same or a greater number. `revision`: the number of the broker's
-  /// last change. Returns whether the book has changed.
+  /// Sets the list of the object `name`. Does nothing if the book has a list of the same run of the
+  /// server with the same or a greater number. `revision`: the number of the broker's last change.
+  /// Returns whether the book has changed.
   bool set(const std::string& name, ProgramList list, std::uint64_t revision);
-  /// `server` has registered `name` without a list. Drops the list of `name` if it is of another
-  /// life or of another server. Returns whether the book has changed.
+  /// Must be called when `server` has registered `name` without a list. Drops the list of `name` if
+  /// another server, or another run of this server, has set the list. Returns whether the book has
+  /// changed.
   bool drop_other(const std::string& name, const ServerLife& server);
-  /// Drops the lists of the objects that do not keep their names. Returns whether there were some.
+  /// Drops the lists of the objects that do not keep their names. Returns whether a list was
+  /// dropped.
   bool keep_only(FunctionRef<bool(const std::string& name)> keeps_name);
   /// Returns whether a list names a user or a host.
   bool names_somebody() const;
 
-  /// Returns an object whose list makes `who` a visitor; no value if there is none. Skips the lists
-  /// of the servers to which `counts` does not apply.
+  /// Returns an object whose list makes `who` a visitor; no value if there is none. Ignores the
+  /// lists of servers for which `counts` returns false.
   std::optional<std::string> object_of(const UserAtHost& who,
                                        FunctionRef<bool(const ServerLife& server)> counts) const;
-  /// What one user sees as a visitor.
+  /// The objects that one user sees as a visitor.
   struct Seen {
     std::set<std::string> objects{};  ///< their names
-    /// A number that stands for the lists of these objects. Two sets of lists have different
-    /// numbers, but for a collision of the hash; a list that is set again counts as another list.
+    /// A hash that identifies the lists of these objects. Different sets of lists have different
+    /// hashes, except for collisions. A list that is set again counts as a different list.
     std::uint64_t view = 0;
-    /// The broker's last change when the newest of the lists was set. Earlier changes may be of
-    /// servers whose lists did not name the user.
+    /// The number of the broker's last change at the time when the newest of the lists was set.
+    /// Earlier changes may concern servers whose lists did not name the user.
     std::uint64_t since = 0;
   };
   Seen seen_by(const UserAtHost& who) const;
 
   /// Sets the list of the revoked users.
   void set_revoked(std::vector<RevokedUser> revoked);
-  /// The revoked users are not known at the moment. The last list that was set still counts.
+  /// Must be called when the list of the revoked users cannot be read at present. The last list
+  /// that was set still counts.
   void lose_revoked();
-  /// False at first, after lose_revoked(), and when the last list that names somebody has gone.
+  /// Returns whether the list of the revoked users is known. It is not known at first, after
+  /// lose_revoked(), and after the last list that names somebody has gone.
   bool knows_revoked() const;
   /// Returns whether a client is revoked; see access::revokes.
   bool revoked(std::string_view key, const UserAtHost& who) const;
@@ -91,7 +97,8 @@ class VisitorBook {
   };
   bool admits(const ProgramList& one, const UserAtHost& who) const GECOS_REQUIRES(mutex_);
   bool names_somebody_now() const GECOS_REQUIRES(mutex_);
-  /// While no list names anybody, nobody reads the list of the revoked users.
+  /// If no list names anybody any more, records that the revoked users are not known, because
+  /// nobody then reads the list of the revoked users.
   void forget_revoked_if_unused() GECOS_REQUIRES(mutex_);
 
   mutable Mutex mutex_;

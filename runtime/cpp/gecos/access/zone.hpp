@@ -13,11 +13,11 @@ namespace gecos::access {
 
 /// Decides from the reports of sources whether a person is present in a zone of the laboratory. A
 /// person is present when at least one person has checked in or holds a dead-man button, and every
-/// door is closed. What is not known counts as absent: a silent button is not held, and a silent
-/// door is open.
+/// door is closed. A button that is silent counts as not held, and a door that is silent counts as
+/// open.
 ///
-/// Pure: the caller passes the time, by a clock that also counts while the machine is suspended. No
-/// function may be called with an earlier time than the one before. Not thread-safe.
+/// Pure: the caller passes the time, by a clock that also counts while the machine is suspended.
+/// The time must not decrease from one call to the next. Not thread-safe.
 class Zone {
  public:
   static constexpr Duration report_life = std::chrono::seconds(1);
@@ -56,7 +56,7 @@ class Zone {
   /// failure, returns the reason.
   tl::expected<void, std::string> check_in(const std::string& code, const std::string& person,
                                            Duration stay, TimePoint now);
-  /// Returns false when `person` is not checked in.
+  /// Ends the check-in of `person`. Returns false when `person` is not checked in.
   bool check_out(const std::string& person, TimePoint now);
 
  private:

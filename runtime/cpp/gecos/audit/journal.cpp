@@ -14,7 +14,8 @@
 namespace gecos::audit {
 namespace {
 
-/// Creates the folder and those above it, for this user alone. Does not change folders that exist.
+/// Creates a folder and its missing parents, which only this user may access. Does not change
+/// folders that exist.
 void make_folders(const std::string& path) {
   for (std::size_t end = 1; end != std::string::npos;) {
     end = path.find('/', end + 1);
@@ -22,7 +23,8 @@ void make_folders(const std::string& path) {
   }
 }
 
-/// Returns why the audit must not be written to the open file `file`; an empty text if it may be.
+/// Returns why the audit must not be written to the open file `file`; an empty text if the file may
+/// be written.
 std::string distrust(int file) {
   struct stat found {};
   if (::fstat(file, &found) != 0) return system_text(errno);

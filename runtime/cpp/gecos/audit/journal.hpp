@@ -12,7 +12,8 @@ namespace gecos::audit {
 /// The files of an audit: `audit.jsonl`, and the older `audit.1.jsonl`, `audit.2.jsonl` and so on.
 /// The files belong to the user of the process, and no other user may read them.
 ///
-/// Several processes may append to the same files at once. Functions may block, if the disk does.
+/// Several processes may append to the same files at once. The functions may block while the disk
+/// does not answer.
 class Journal {
  public:
   struct Limits {
@@ -20,7 +21,7 @@ class Journal {
                         << 20;  ///< when a file is as large as this, a new one begins
     unsigned files = 4;         ///< the oldest one is removed
   };
-  /// Creates the folder, and those above it, when the first line is appended.
+  /// The folder and its missing parents are created when the first line is appended.
   explicit Journal(std::string folder) : Journal(std::move(folder), Limits()) {}
   Journal(std::string folder, Limits limits);
 

@@ -10,17 +10,17 @@
 /// A line contains no argument of a call and no result, so that no password can be in it.
 namespace gecos::audit {
 
-/// The number of one request, as in CommandId: a call, or a connection that was refused. For a
-/// refused connection, and for a call that was refused to a visitor, `session` is instead a number
-/// for the user, the object and the reason, and `counter` counts such refusals of the server or of
-/// the object.
+/// Identifies one request: a call, or a connection that was refused. For a call, the three numbers
+/// are those of its CommandId. For a refused connection, and for a call that was refused to a
+/// visitor, `session` is a hash of the user, the object and the reason, and `counter` is the
+/// running number of these refusals at the server or at the object.
 struct RequestId {
   std::uint64_t incarnation = 0;  ///< of the server's process
   std::uint64_t session = 0;
   std::uint64_t counter = 0;  ///< 0: the line is about no request
 };
 
-/// Returns three hexadecimal numbers, as to_string(CommandId).
+/// Returns the request as three hexadecimal numbers, in the form of to_string(CommandId).
 std::string to_string(const RequestId& id);
 
 /// One event. A member that is empty or 0 does not occur in the text of the line.
@@ -42,8 +42,8 @@ struct Line {
   std::uint64_t last = 0;   ///< the counter of the last of these requests
 };
 
-/// Returns the JSON text of the line, with a newline at its end and none before. Bytes that are not
-/// ASCII are copied: they must be UTF-8. Longer texts than 1 KiB are cut.
+/// Returns the JSON text of the line, which is one line with a newline at its end. Bytes that are
+/// not ASCII are copied: they must be UTF-8. Texts longer than 1 KiB are cut.
 std::string to_json(const Line& line);
 
 /// Returns the current time for Line::time. Its resolution is a few milliseconds, and reading it

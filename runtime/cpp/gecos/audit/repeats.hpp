@@ -11,13 +11,14 @@
 namespace gecos::audit {
 
 /// Counts events that one client repeats, so that a program that sends a thousand commands per
-/// second adds two lines per second to the audit, and not a thousand. The first event gets a line
-/// of its own. Equal events within the next second are only counted, and together get one more
+/// second adds two lines per second to the audit, instead of a thousand. The first event gets a
+/// line of its own. Equal events within the next second are only counted, and together get one more
 /// line.
 ///
 /// Events that a user who is not admitted can cause without end are counted in windows that grow
 /// (Window::Growing; SharedLines uses them): the lines after the first one count the events of 1,
-/// 2, 4, 8, 16 and 32 s, and then of one minute each, until there was no such event for a minute.
+/// 2, 4, 8, 16 and 32 s, and then of one minute each, until no such event has occurred for a
+/// minute.
 ///
 /// The caller passes the time. Only one thread at a time may use this class. `count` allocates and
 /// formats nothing.
@@ -33,7 +34,7 @@ class Repeats {
   /// Every other event gets a line of its own.
   explicit Repeats(std::size_t most_kinds = most) : most_(most_kinds) {}
 
-  /// The members in which two events must agree to count as equal.
+  /// The members of an event that decide whether two events are equal.
   struct Key {
     std::uint64_t session = 0;
     std::uint64_t code = 0;
@@ -42,9 +43,9 @@ class Repeats {
     friend bool operator==(const Key&, const Key&) = default;
   };
 
-  /// Counts the event and returns true if the window of an equal event, for which `begin` was
-  /// called, is not over. Otherwise returns false; the caller must then write a line for the event
-  /// and pass the line to `begin`.
+  /// Counts the event and returns true if `begin` was called for an equal event whose window is not
+  /// over. Otherwise returns false; the caller must then write a line for the event and pass the
+  /// line to `begin`.
   bool count(const Key& key, std::uint64_t counter);
   /// Begins to count the events that are equal to the event of `line`.
   void begin(const Key& key, const Line& line, Window window = Window::OneSecond);
@@ -61,19 +62,21 @@ class Repeats {
     Line line;  ///< its `request` becomes that of the first repetition
     Window window = Window::OneSecond;
     std::int64_t length = window_ms;  ///< of the window that began at the time of `line`
-    /// Returns when `due` must look at this run again.
+    /// Returns the time at which the window of this event ends.
     std::int64_t due() const;
   };
-  /// Adds the line of `run` to `lines` if there were repetitions. Returns whether `run` has ended.
+  /// Ends a window of the repeated event `run`: adds a line with the count to `lines` if the event
+  /// was repeated. Returns whether the event need not be counted any longer.
   static bool end_window(Run& run, std::int64_t now, std::vector<Line>& lines);
   void note_times(const Run& run);
 
   const std::size_t most_;
   std::vector<Key> keys_;  ///< apart from the runs, so that `count` searches little memory
   std::vector<Run> runs_;  ///< of the keys at the same places
-  /// Until this time no window is over.
+  /// No window ends before this time.
   std::int64_t next_due_ = std::numeric_limits<std::int64_t>::max();
-  /// When the newest window began. An earlier time means that the clock was set back.
+  /// The time at which the newest window began. If the present time is earlier, the clock was set
+  /// back.
   std::int64_t newest_ = std::numeric_limits<std::int64_t>::min();
 };
 

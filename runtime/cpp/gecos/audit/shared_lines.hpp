@@ -9,32 +9,32 @@
 namespace gecos::audit {
 
 /// Writes the events that users who are not admitted can cause without end, for example refused
-/// connections. Events of one kind share lines: the first event has a line of its own, and the
-/// further lines count the others, about one line a minute (Repeats::Window::Growing).
+/// connections. Events of one kind share lines: the first event has a line of its own, and later
+/// lines count the further events, about one line a minute (Repeats::Window::Growing).
 ///
-/// When there are more than `most_kinds` kinds at the same time, all further kinds share lines
-/// about "several users", until there was no such event for a minute. So a program with many
-/// users, or with invented names, cannot push the older lines out of the audit quickly.
+/// When there are more than `most_kinds` kinds at the same time, the events of all further kinds
+/// share lines about "several users", until none of them has occurred for a minute. So a program
+/// with many users, or with invented names, cannot push the older lines out of the audit quickly.
 ///
 /// The caller passes the time. Only one thread at a time may use this class.
 class SharedLines {
  public:
-  /// Kinds of events that are counted at the same time.
+  /// The maximum number of kinds of events that are counted at the same time.
   static constexpr std::size_t most_kinds = 256;
 
-  /// `object`: what the lines about several users say of their object; may be empty. `audit` may be
-  /// null, if `add` is not called.
+  /// `object`: the object that the lines about several users name; may be empty. `audit` may be
+  /// null if `add` is never called.
   SharedLines(std::string object, std::shared_ptr<Audit> audit)
       : object_(std::move(object)), audit_(std::move(audit)) {}
 
-  /// Writes `line`, or counts its event. `further` is the line that counts several such events: it
-  /// must have only what they share. Two events are of one kind if `further` has the same event,
-  /// user, host, object and reason; digits of the reason do not matter, because a reason may say
-  /// since when something has lasted.
+  /// Writes `line`, or counts its event. `further` is the line that counts the following events of
+  /// the same kind, so it must have only members that all these events share. Two events are of one
+  /// kind if their lines `further` have the same event, user, host, object and reason; digits in
+  /// the reason are ignored, because a reason may say since when something has lasted.
   ///
-  /// Replaces `request.session` in the lines by a number of the kind, and returns that number: a
-  /// line that counts requests names the first and the last one, and the numbers of other kinds in
-  /// between must not be taken for some of them.
+  /// Replaces `request.session` in the lines by a number of the kind, and returns this number. A
+  /// line that counts requests names only the first and the last request; by the number of the
+  /// kind, a reader excludes the requests of other kinds in between.
   std::uint64_t add(Line line, Line further);
   /// Writes the lines of the events that were counted and whose window is over.
   void on_tick(std::int64_t now);
@@ -44,7 +44,8 @@ class SharedLines {
  private:
   const std::string object_;
   const std::shared_ptr<Audit> audit_;
-  /// There is room for the few kinds about several users, too: one for each name of an event.
+  /// The number of kinds is `most_kinds`, plus some for the lines about several users, of which
+  /// each event name needs one.
   Repeats repeats_{most_kinds + 16};
 };
 
