@@ -18,7 +18,7 @@ constexpr Duration longest_job_at_end = std::chrono::seconds(1);
 
 }  // namespace
 
-/// What the thread uses. It outlives the FileThread while the job does not end.
+/// The data that the thread uses. They outlive the FileThread if the job has not ended by then.
 struct FileThread::Shared {
   explicit Shared(std::function<void()> its_job) : job(std::move(its_job)) {}
   void work();

@@ -10,12 +10,13 @@
 
 namespace gecos {
 
-/// A thread that reads files. A file system may not answer, for example that of a file server that
-/// is down. Then only this thread waits. Thread-safe.
+/// A thread that reads files, so that only this thread waits when a file system does not answer,
+/// for example because a file server is down. Thread-safe.
 class FileThread {
  public:
-  /// `job` reads the files once. It must own all that it uses: while the file system does not
-  /// answer, it outlives this object. Throws std::system_error when no thread can be started.
+  /// `job` reads the files once. `job` must own everything that it uses, because it may still run
+  /// after the end of this object if the file system does not answer. Throws std::system_error when
+  /// no thread can be started.
   FileThread(const std::string& name, std::function<void()> job);
   /// Waits until a running job has ended, at most 1 s. A job that takes longer is abandoned.
   ~FileThread();
@@ -24,8 +25,8 @@ class FileThread {
 
   /// Makes the job run once more, soon. Returns the number of a run that begins after this call.
   std::uint64_t ask();
-  /// Waits until the run with this number has ended. Returns false if it has not ended after
-  /// `patience`, which counts from the beginning of the run that is under way, if one is.
+  /// Waits until the run with this number has ended. Returns false if the run has not ended after
+  /// `patience`. If another run is under way, `patience` counts from the beginning of that run.
   bool await(std::uint64_t run, Duration patience);
 
  private:

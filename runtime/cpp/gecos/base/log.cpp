@@ -50,8 +50,8 @@ class Stderr {
   static void before_fork() GECOS_NOT_ANALYSED { instance().mutex_.lock(); }
   static void after_fork() GECOS_NOT_ANALYSED { instance().mutex_.unlock(); }
 
-  /// Returns the text `line`, with its middle left out when it is too long: the two ends of a stack
-  /// trace say most.
+  /// Returns the text `line`. If the text is too long, its middle is left out, because the two ends
+  /// of a stack trace say most.
   static std::string shortened(std::string line) {
     constexpr std::string_view gap = " … ";
     if (line.size() > longest) {

@@ -117,8 +117,8 @@ class GECOS_SCOPED_CAPABILITY MutexUnlock {
 };
 
 /// A std::condition_variable for Mutex. (For FutexMutex use std::condition_variable_any.) The
-/// calling thread holds the mutex before and after each wait, and whenever `done` is called. The
-/// function `done` must call `assert_held()` of the mutex in its first line.
+/// calling thread holds the mutex before and after each wait, and during each call of the parameter
+/// `done`. The function `done` must call `assert_held()` of the mutex in its first line.
 class ConditionVariable {
  public:
   void notify_one() noexcept { changed_.notify_one(); }

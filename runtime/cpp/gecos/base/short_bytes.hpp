@@ -7,7 +7,7 @@
 
 namespace gecos {
 
-/// An owned sequence of bytes. A sequence of up to 128 bytes, which is enough for a usual call, is
+/// An owned sequence of bytes. A sequence of up to 128 bytes, which most calls do not exceed, is
 /// stored in the object itself, without an allocation.
 class ShortBytes {
  public:

@@ -5,8 +5,8 @@
 namespace gecos {
 
 /// Returns the total time for which this machine was suspended since its start, as
-/// note_suspension() last measured it. The kernel's coarse monotonic clock does not count that
-/// time. Costs one load. Thread-safe.
+/// note_suspension() last measured it. The kernel's coarse monotonic clock does not count the time
+/// of a suspension. Costs one load. Thread-safe.
 Duration noted_suspension();
 /// Measures the total time of suspension again, for noted_suspension(). The maintenance thread
 /// calls this function at each tick.
