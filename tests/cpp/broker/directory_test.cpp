@@ -292,10 +292,11 @@ TEST_F(SilentServer, OfTheBrokersHostIsNotSetFree) {
   ASSERT_FALSE(refused);
   const auto* why = std::get_if<NameInUse>(&refused.error());
   ASSERT_NE(why, nullptr);
-  EXPECT_EQ(why->why,
-            "the process of its server, a robcl::Rx90 of ada on lab1, pid 4711, lives on the "
-            "broker's host and may move the device again; end it with `kill -KILL 4711`, which "
-            "frees the name at once");
+  EXPECT_EQ(
+      why->why,
+      "the server process of this object, a robcl::Rx90 of ada on lab1, pid 4711, still lives on "
+      "the broker's host and may move the device again; end it with `kill -KILL 4711`, which "
+      "frees the name at once");
 }
 
 TEST_F(SilentServer, CannotBeSetFreeWhileItIsHeardOrUnknown) {

@@ -213,7 +213,8 @@ Result<std::optional<double>> Broker::enlist(const Entry& told, double served_fo
   }
   announce();
   if (visitor_lists_.set(what, user, admitted, directory_.revision().number)) {
-    // A visitor may see other objects now, although the list is the same for all others.
+    // The objects that a visitor may see may have changed, although the list has not changed for
+    // the other clients.
     publish_revision(directory_.revision());
     wake_watcher_->notify();
   }

@@ -77,7 +77,7 @@ class Broker final : public BrokerServant {
   void remove_ended() GECOS_REQUIRES(mutex_);
   void forget_unused_processes() GECOS_REQUIRES(mutex_);
   void announce() GECOS_REQUIRES(mutex_);
-  /// Returns what the client of the current call sees of the directory.
+  /// Returns the part of the directory that the client of the current call may see.
   View view() const GECOS_REQUIRES(mutex_);
 
   const BrokerOptions options_;
@@ -102,8 +102,8 @@ class Broker final : public BrokerServant {
   };
   std::vector<EndedSession> ended_sessions_ GECOS_GUARDED_BY(mutex_);
   VisitorLists visitor_lists_;  ///< started while the broker is served
-  /// The number of the list of revocations that the server of each session has applied. Used by the
-  /// calls and at the end of a session.
+  /// The number of the list of revocations that the server of each session has applied, by the
+  /// number of the session.
   std::map<std::uint64_t, std::uint64_t> applied_ GECOS_GUARDED_BY(mutex_);
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   std::optional<EventFd> wake_watcher_;  ///< set while this is served

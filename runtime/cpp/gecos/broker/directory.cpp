@@ -30,7 +30,7 @@ bool is_kept(const Directory& directory, const Silent& one, TimePoint now) {
   return directory.free_in(one, now) != Duration::zero();
 }
 
-/// Returns whether both are objects of one life of a server.
+/// Returns whether one run of a server process serves both objects.
 bool is_same_life(const Entry& one, const Entry& other) {
   return one.boot == other.boot && one.user == other.user && one.hostname == other.hostname;
 }
@@ -66,8 +66,8 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   Place& place = found->second;
   if (place.entry == entry && (place.session == claim.session || own_life)) {
     place.session = claim.session;
-    // A claim that arrives late yields a `since` that is too late. Therefore the earliest `since`
-    // is the most exact.
+    // A claim may reach the broker late, and then gives a `since` that is too late. Therefore the
+    // earliest `since` is the most exact.
     place.since = std::min(place.since, since);
     return provisional;
   }
@@ -176,18 +176,18 @@ tl::expected<void, std::variant<UnknownName, NameInUse>> Directory::free(const s
   using Refusal = std::variant<UnknownName, NameInUse>;
   if (const auto place = places_.find(name); place != places_.end()) {
     return tl::unexpected(
-        Refusal(NameInUse{name, "the broker hears its server, " + described(place->second.entry) +
-                                    "; end that server"}));
+        Refusal(NameInUse{name, "the broker still hears the server of this object, " +
+                                    described(place->second.entry) + "; end that server"}));
   }
   const auto found = silent_.find(name);
   if (found == silent_.end()) return tl::unexpected(Refusal(unknown(name)));
   const Silent& one = found->second;
   if (one.host == Host::Same) {
-    return tl::unexpected(Refusal(
-        NameInUse{name, "the process of its server, " + described(one.entry) +
-                            ", lives on the broker's host and may move the device again; end it "
-                            "with `kill -KILL " +
-                            std::to_string(one.entry.pid) + "`, which frees the name at once"}));
+    return tl::unexpected(Refusal(NameInUse{
+        name, "the server process of this object, " + described(one.entry) +
+                  ", still lives on the broker's host and may move the device again; end it "
+                  "with `kill -KILL " +
+                  std::to_string(one.entry.pid) + "`, which frees the name at once"}));
   }
   note(one.entry, Presence::GONE, one.epoch);
   silent_.erase(found);

@@ -60,8 +60,8 @@ struct DirectoryOptions {
 /// A registration ends with the session that made it. If the server has not withdrawn the object,
 /// the object is then silent, and no other server gets its name until `free` is called. Without
 /// that call, a server on the broker's host keeps the name until its process has ended, and a
-/// server on another host for `name_hold`. The same is true of the objects of the previous broker
-/// that are expected to return (`expect`).
+/// server on another host for `name_hold`. The names of objects that are expected to return from
+/// the previous broker (`expect`) are kept in the same way.
 ///
 /// Each change has a number, and the last `most_changes` are kept, so that a watcher sees each
 /// change once. All moments are read from CLOCK_BOOTTIME.
@@ -94,7 +94,8 @@ class Directory {
   std::vector<std::string> end_session(std::uint64_t session, TimePoint heard);
   /// Returns true when the session enlisted the object and still has the name.
   bool has(std::uint64_t session, const std::string& name) const;
-  /// Returns the names of the objects whose sessions `applies` to, in the order of names.
+  /// Returns the names of the objects for whose sessions `applies` returns true, in the order of
+  /// names.
   std::vector<std::string> names_of(
       const std::function<bool(std::uint64_t session)>& applies) const;
   /// Returns true when the session enlisted an object whose process is on the broker's host.
@@ -125,7 +126,7 @@ class Directory {
   /// Returns the changes after `since`, or the whole list when some of these changes are no longer
   /// kept.
   ListChanges changes(const ListRevision& since, TimePoint now) const;
-  /// Returns whether an object has the name, or is silent and keeps the name.
+  /// Returns whether the name belongs to an online object, or is kept for a silent object.
   bool keeps_name(const std::string& name, TimePoint now) const;
   /// Returns whether the process `pid` of the broker's host has an object, online or silent.
   bool uses_process(std::int32_t pid) const;

@@ -5,11 +5,11 @@
 
 #include "gecos/broker_types.hpp"
 
-/// Which names the broker lists, so that a registration takes little memory, and no name harms a
-/// terminal.
+/// Decides which names the broker lists, so that a registration takes little memory, and no name
+/// harms a terminal.
 namespace gecos::broker {
 
-/// Returns why the broker does not list `what`; an empty text if it does.
+/// Returns why the broker does not list `what`; an empty text if the broker lists `what`.
 std::string why_not_listed(const Entry& what, const std::optional<AdmittedNames>& admitted);
 
 }  // namespace gecos::broker

@@ -16,7 +16,7 @@
 namespace gecos::broker {
 namespace {
 
-/// The entries of /proc/<pid>/stat that this file needs.
+/// The fields of the file /proc/<pid>/stat that this code reads.
 struct Status {
   char state = ' ';  ///< 'Z': ended, not yet waited for by its parent
   std::uint64_t start = 0;

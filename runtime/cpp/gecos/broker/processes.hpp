@@ -25,8 +25,7 @@ class Processes {
   /// Returns the watched processes that have ended, and forgets them. Never blocks.
   std::vector<std::int32_t> take_ended();
   std::vector<std::int32_t> watched() const;
-  /// Returns a descriptor that is readable while a watched process has ended that `take_ended` has
-  /// not returned yet.
+  /// Returns a descriptor that is readable while take_ended() has an ended process to return.
   int descriptor() const { return epoll_.get(); }
 
  private:

@@ -30,7 +30,8 @@ tl::expected<std::string, std::string> text_of(const std::string& path) {
   }
   if (!S_ISREG(about.st_mode)) return failed("this is not a file");
   if (about.st_uid != ::geteuid() || (about.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
-    return failed("other users may write to the file; make it yours, and run: chmod 600 " + path);
+    return failed("other users may write to the file; become its owner, and run: chmod 600 " +
+                  path);
   }
   std::string text;
   std::array<char, 4096> part;
@@ -55,7 +56,7 @@ RevokedList::Reading read_file(const std::string& path) {
 
 }  // namespace
 
-/// What the thread uses. It outlives the RevokedList while the file system does not answer.
+/// The data that the thread uses. They outlive the RevokedList if the file system does not answer.
 struct RevokedList::Shared {
   explicit Shared(std::string file) : path(std::move(file)) {}
   void work() {

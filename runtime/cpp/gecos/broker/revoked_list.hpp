@@ -12,12 +12,13 @@
 
 namespace gecos::broker {
 
-/// The file `revoked` in the key folder of the broker's user (access/revocations.hpp), which
-/// `gecos revoke` writes. A thread of its own reads the file, because its file system may not
-/// answer. Thread-safe.
+/// The file `revoked` in the key folder of the broker's user (access/revocations.hpp), which `gecos
+/// revoke` writes. A separate thread reads the file, because the file system may not answer.
+/// Thread-safe.
 class RevokedList {
  public:
-  /// @param path of the file, which need not exist; empty: the one in the key folder of this user
+  /// @param path the path of the file, which need not exist; empty: the file `revoked` in the key
+  /// folder of this user
   explicit RevokedList(const std::string& path = "");
 
   struct Found {
@@ -26,7 +27,7 @@ class RevokedList {
   };
   using Reading = tl::expected<std::shared_ptr<const Found>, std::string>;
   /// Reads the file and returns the list in it. Fails when the file has an error, when other users
-  /// may write it, and when its file system has not answered within 250 ms.
+  /// may write to the file, and when the file system has not answered within 250 ms.
   Reading read();
 
  private:

@@ -4,7 +4,8 @@ namespace gecos::broker {
 
 tl::expected<Entry, UnknownName> View::look_up(const std::string& name) const {
   if (!seen_) return directory_.look_up(name);
-  // The time that a refusal takes must not tell whether a hidden object exists.
+  // Hidden objects are not looked up, so that the time of a refusal does not tell whether a hidden
+  // object exists.
   if (!hidden(name)) {
     if (auto found = directory_.look_up(name)) return found;
   }

@@ -9,11 +9,12 @@
 
 namespace gecos::broker {
 
-/// What one client sees of the directory: a visitor only the objects whose programs admit the
-/// visitor, any other client everything. Not thread-safe: lives only during one call.
+/// The part of the directory that one client may see. A visitor sees only the objects whose
+/// programs admit this visitor; any other client sees all objects. Not thread-safe; a View lives
+/// only during one call.
 class View {
  public:
-  /// `visitor`: no value if the client is no visitor.
+  /// `visitor`: the user of the client if the client is a visitor; otherwise no value.
   View(const Directory& directory, const access::VisitorBook& book,
        const std::optional<access::UserAtHost>& visitor)
       : directory_(directory) {
@@ -24,10 +25,12 @@ class View {
   std::vector<Entry> list() const;
   std::vector<Entry> query(std::string_view interface_name) const;
   std::vector<Silent> silent(TimePoint now) const;
-  /// The life of a visitor's list is another one whenever the visitor sees other objects. The
-  /// visitor then gets the whole list, in which the objects are missing that are hidden now.
+  /// Returns the revision of the list that this client sees. For a visitor, the member `life`
+  /// changes whenever the visitor may see other objects. The visitor then gets the whole list
+  /// again, without the objects that are hidden now.
   ListRevision revision() const;
-  /// A visitor is told no change from before the lists of the objects named this user.
+  /// Returns the changes that this client may see. A visitor gets no change that is older than the
+  /// lists that name this visitor.
   ListChanges changes(const ListRevision& since, TimePoint now) const;
 
  private:

@@ -10,13 +10,14 @@
 
 namespace gecos::broker {
 
-/// The lists that name the visitors of the broker, and the list of those whom its user has revoked.
-/// The broker has no broker that could tell it about revocations. Therefore it reads the list of
-/// the revoked from the file, once a second while an object may have visitors.
+/// The lists that name the visitors of the broker, and the list of the users whom the broker's user
+/// has revoked. The other servers get the list of the revoked users from the broker; the broker
+/// itself reads this list from the file, once a second while an object may have visitors.
 class VisitorLists {
  public:
   static constexpr Duration between_readings = std::chrono::seconds(1);
-  /// The list counts for so long after it was read. Then no new visitor is admitted.
+  /// The list of the revoked users counts for this time after it was read. After that time, no new
+  /// visitor is admitted.
   static constexpr Duration known_for = std::chrono::seconds(3);
 
   VisitorLists();
@@ -28,25 +29,25 @@ class VisitorLists {
   }
   /// @pre `start` was called
   RevokedList& revoked() { return *revoked_; }
-  /// Reads the list of the revoked, if it is time; waits at most 250 ms for the file. Must be
-  /// called on one thread. Returns when to call this again.
+  /// Reads the list of the revoked users when the time for this has come; waits at most 250 ms for
+  /// the file. Must always be called on the same thread. Returns the time of the next call.
   TimePoint refresh_revoked(TimePoint now);
 
   const std::shared_ptr<session::Visitors>& visitors() const { return visitors_; }
-  /// Reads the list of the revoked if `admitted` is the first list that names somebody: no visitor
-  /// is admitted before the broker knows the revoked users. Must be called before `set`, without a
-  /// lock, because the call may wait 250 ms for the file.
+  /// Reads the list of the revoked users if `admitted` is the first list that names somebody,
+  /// because no visitor may be admitted before the broker knows the revoked users. Must be called
+  /// before `set`, and without a lock, because the call may wait 250 ms for the file.
   void ensure_revoked_known(const std::optional<AdmittedNames>& admitted);
-  /// Notes whom the program of the server of `what` admits. `user`: who registers `what`; no value
-  /// for the user of the broker. `revision`: the number of the broker's last change. Returns
-  /// whether the lists have changed.
+  /// Sets the list of the users and hosts that the program of the server of `what` admits. `user`:
+  /// the user who registers `what`; no value for the user of the broker. `revision`: the number of
+  /// the broker's last change. Returns whether the lists have changed.
   bool set(const Entry& what, const std::optional<session::ProvedUser>& user,
            const std::optional<AdmittedNames>& admitted, std::uint64_t revision);
 
  private:
   std::shared_ptr<session::Visitors> visitors_;
   std::optional<RevokedList> revoked_;
-  // Used by the thread of `refresh_revoked` only.
+  // Only the thread that calls `refresh_revoked` uses these members.
   TimePoint next_{};
   std::optional<TimePoint> read_at_;
   bool reported_ = false;  ///< that the file cannot be read
