@@ -19,13 +19,13 @@ struct Entry;
 /// Functions for language bindings and the broker program, in addition to the public headers.
 namespace gecos::session {
 
-/// The incarnation of this process: a random number, drawn at first use. A forked child draws its
-/// own.
+/// The incarnation of this process: a random number, drawn at first use. A forked child draws
+/// another number.
 IncarnationId process_incarnation();
 
-/// Returns whether this process sees the server of `entry` as the process `entry.pid`: it runs on
-/// this machine, with this runtime directory, and in the PID namespace of this process. Otherwise
-/// `entry.pid` may be the number of another process here.
+/// Returns whether the number `entry.pid` identifies the server of `entry` for this process,
+/// because the server runs on this machine, with the runtime directory of this process and in its
+/// PID namespace. If not, `entry.pid` may be the number of an unrelated process here.
 bool sees_process(const Entry& entry);
 
 /// The parts of a Lab that its users do not need.
@@ -52,18 +52,18 @@ tl::expected<std::shared_ptr<ClientSession>, std::string> session_at(const LabOr
 class BrokerNews;
 
 /// Waits between two attempts to create a proxy for an object that is not online. A wait ends when
-/// the broker's list changes, when another broker answers, or after a second: a server that did not
-/// answer the last attempt may answer the next one.
+/// the broker's list changes, when another broker answers, or after a second, because a server that
+/// did not answer the last attempt may answer the next one.
 class CreateWait {
  public:
-  /// `longest`: how long to wait from now on; Duration::max() for no limit. @pre `lab` holds a
-  /// value
+  /// `longest`: the maximum time to wait from now on; Duration::max() for no limit.
+  /// @pre `lab` holds a value
   CreateWait(const LabOrWhyNot& lab, const std::vector<std::string>& names, Duration longest);
   ~CreateWait();
 
   /// Returns whether to wait after an attempt that failed for the reasons in `why`. Returns false
-  /// when the time is over or the Lab is closed, and when no name in `why` failed as NO_SERVER,
-  /// because waiting does not help against the other reasons.
+  /// when the time is over or the Lab is closed. Also returns false when no name in `why` failed as
+  /// NO_SERVER, because waiting helps only against NO_SERVER.
   bool helps(const CreateError& why) const;
   /// Waits until the next try may succeed, at most until `until`. Returns whether to try again.
   bool wait(TimePoint until = TimePoint::max());
@@ -74,10 +74,10 @@ class CreateWait {
   std::unique_ptr<BrokerNews> news_;
 };
 
-/// Returns where the lab file says that the broker is. Programs look there if neither
-/// LabOptions::broker nor GECOS_BROKER names a broker. Reads the file that GECOS_LAB_FILE names,
-/// else /etc/gecos/lab.toml if it exists. On failure returns why programs find no broker, and what
-/// to do.
+/// Returns the address of the broker in the lab file. Programs use this address if neither
+/// LabOptions::broker nor GECOS_BROKER names a broker. The lab file is the file that GECOS_LAB_FILE
+/// names, else /etc/gecos/lab.toml if that file exists. On failure returns why programs find no
+/// broker, and what to do.
 tl::expected<access::LabBroker, std::string> broker_in_lab_file(Duration patience);
 
 struct BrokerPlace {
@@ -92,7 +92,7 @@ std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience)
 /// server for at most `timeout`; the returned command is then Queued.
 std::shared_ptr<CommandCore> ask_for_status(ClientSession& session, Status wanted,
                                             const std::string& password, Duration timeout);
-/// Returns the lease that was granted in reply to `asked`, a request for a status, or the refusal.
+/// Returns the reply to `asked`, a request for a status: the granted lease, or the refusal.
 /// @pre `asked` is terminal
 tl::expected<Lease, LeaseRefusal> lease_from(const std::shared_ptr<ClientSession>& session,
                                              CommandCore& asked);
@@ -104,8 +104,8 @@ void decline_status(const std::shared_ptr<ClientSession>& session,
 class CallCore;
 
 /// Returns why the client that issued `call` may not register an object under `name`; an empty text
-/// when it may. This function is for the broker. It decides by [names] of the lab file, and writes
-/// a refusal to the audit.
+/// when the client may. The broker calls this function. The table [names] of the lab file decides.
+/// A refusal is written to the audit.
 std::string refusal_to_register(const CallCore& call, const std::string& name);
 
 /// A user as the medium proves it.
@@ -114,15 +114,16 @@ struct ProvedUser {
   std::string key{};                ///< 64 hexadecimal digits; empty if the kernel names the user
   std::optional<std::int32_t> pid;  ///< no value if the kernel does not name it
 };
-/// Returns who issued `call`; no value if it is the user of the broker, or root on the broker's
-/// host, whose registrations are believed. This function is for the broker.
+/// Returns the user who issued `call`; no value for the user of the broker and for root on the
+/// broker's host, whose registrations are believed. The broker calls this function.
 std::optional<ProvedUser> other_user_of(const CallCore& call);
 
-/// Returns the user of the client that issued `call`, if the client is a visitor; no value if it is
-/// not. This function is for the broker.
+/// Returns the user of the client that issued `call` if this client is a visitor; otherwise no
+/// value. The broker calls this function.
 std::optional<access::UserAtHost> visitor_of(const CallCore& call);
 
-/// Whom the broker receives as visitors (access/visitors.hpp), and what they may use.
+/// The users whom the broker admits as visitors (access/visitors.hpp), and the operations and
+/// streams that visitors may use.
 struct Visitors {
   access::VisitorBook book{};
   std::vector<FunctionCode> open{};  ///< the codes of operations and streams

@@ -35,13 +35,13 @@ class [[nodiscard("keep the lease: its destructor releases the status")]] Lease 
   void release();
   /// Releases the status, and stops the queued and running commands that were issued under it.
   void release_now();
-  /// Returns true when the lease was acquired less than 100 ms ago and the program has issued no
+  /// Returns true when this lease was acquired less than 100 ms ago and the program has issued no
   /// call since then.
   bool fresh() const;
-  /// Returns whether the status is certainly lost: the session has ended, or has acquired another
-  /// status since then. Returns false after a release. Also returns false while the program does
-  /// not know of a loss: if another client has stopped the object, the program learns it only when
-  /// one of its commands ends.
+  /// Returns whether the status of this lease is certainly lost: the session has ended, or has
+  /// acquired another status after this one. Returns false after a release. Also returns false
+  /// while the program does not know of a loss: if another client has stopped the object, the
+  /// program learns of the loss only when one of its commands ends.
   bool lost() const;
 
  private:
@@ -117,8 +117,8 @@ Command<bool> deny(const Object& object, std::uint64_t request, const std::strin
 /// Ends every status of the object. Only an administrator may do this: the user of the server,
 /// root, or a user in `[admin]` of the lab file; for other users the command fails as FAULT
 /// (StatusRefused). The commands of the holders end as LEASE_LOST, with `why` and the name of this
-/// program. The first waiting request gets the status. A person should decide this, as by `gecos
-/// break`; a program must not do it automatically.
+/// program. The first waiting request gets the status. A person should decide to end a status, for
+/// example by `gecos break`; a program must not decide this automatically.
 Command<void> break_status(const Object& object, const std::string& why);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
@@ -128,9 +128,10 @@ Command<std::vector<Holder>> holders(const Object& object);
 /// `timeout`. A program that passes the `newest` of the last result as `after` is told each change
 /// once: `gecos::roster(*robot, last.newest, 60s).then(…)`. The first time, pass 0: the command
 /// then ends at once, and its result contains all changes that the object keeps, at most 256. The
-/// same happens when `after` is a number from another server, which served the object before.
-/// Numbers are consecutive, so a gap shows that changes were lost because the program asked too
-/// late. A server that was built before this operation existed answers UNKNOWN_OPERATION.
+/// result also contains all changes when `after` is a number from another server, which served the
+/// object before. Numbers are consecutive, so a gap shows that changes were lost because the
+/// program asked too late. A server that was built before this operation existed answers
+/// UNKNOWN_OPERATION.
 Command<Roster> roster(const Object& object, std::uint64_t after = 0, Duration timeout = {});
 /// Returns what the object has counted since its server began to serve it: the calls of each
 /// operation and of each open session by outcome, the times of handlers, and the samples of each

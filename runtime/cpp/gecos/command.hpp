@@ -29,7 +29,8 @@ enum class State : std::uint8_t {
 std::string_view to_string(State state);  ///< returns for example "RUNNING", as in the paper
 std::ostream& operator<<(std::ostream& out, State state);
 
-/// The detailed state of a command; `project` maps it onto one of the four states.
+/// The detailed state of a command. The function `project` maps each detailed state to one of the
+/// four states.
 enum class Detail : std::uint8_t {
   // state RUNNING
   Sent,
@@ -141,7 +142,8 @@ class CommandCore {
   /// what the program issues later.
   virtual void ignore_outcome() { observe(); }
   /// Must be called when the program has read `seen`, the state or the outcome of the command.
-  /// After it has seen a failure, later commands of its chain are carried out again.
+  /// After the program has seen a failure, the server no longer leaves out later commands because
+  /// of this failure.
   virtual void note_look(Detail seen) const { static_cast<void>(seen); }
   /// Marks the outcome as observed. A failure of the command is then not logged.
   void observe() { observed_.store(true, std::memory_order_relaxed); }
@@ -159,7 +161,8 @@ class CommandAwaiter {
   explicit CommandAwaiter(Command command) : command_(std::move(command)) {}
   bool await_ready() const { return command_.wait_for(Duration{}) != State::Running; }
   void await_suspend(std::coroutine_handle<> waits) const {
-    // The coroutine owns this awaiter and may destroy it before await_suspend returns.
+    // `core` is a copy, because the coroutine owns this awaiter and may destroy it before
+    // await_suspend returns.
     const auto core = command_.core();
     core->observe();
     core->when_ended([waits] { waits.resume(); });
@@ -285,7 +288,7 @@ class GECOS_KEPT Command : public session::AnyCommand<Feedback> {
   Decode decode_;
 };
 
-/// A call of an operation without a result; otherwise like Command<T>.
+/// A call of an operation without a result. In all other respects it is like Command<T>.
 template <class Feedback>
 class GECOS_KEPT Command<void, Feedback> : public session::AnyCommand<Feedback> {
  public:

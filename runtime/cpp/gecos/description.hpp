@@ -46,8 +46,8 @@ constexpr OperationDescription operation(std::uint32_t code, std::string_view na
   return rest;
 }
 
-/// Like `operation`, for the getter of an attribute. A getter needs only sensor status and is
-/// idempotent.
+/// Makes the entry for the getter of an attribute, like `operation`. A getter needs only sensor
+/// status and is idempotent.
 constexpr OperationDescription getter(std::uint32_t code, std::string_view name, std::uint64_t hash,
                                       OperationDescription rest = {}) {
   rest.kind = OperationKind::Getter;
@@ -86,7 +86,7 @@ struct InwardDescription {
   qos::Quality quality{};
 };
 
-/// A value for a time stamp: the sample is measured at the moment of its publication.
+/// The time stamp of a sample that is measured at the moment of its publication.
 inline constexpr std::int64_t measured_now = std::numeric_limits<std::int64_t>::min();
 
 struct InterfaceDescription {

@@ -27,8 +27,9 @@ struct InwardSample {
   std::uint64_t sequence = 0;  ///< rises by one per sample that its sender has sent
   double stamp = 0;            ///< when the value was measured, in s of Unix time by the sender's
                                ///< clock; for display
-  Duration age{};  ///< time from measuring to reading. On one host it is exact; between hosts it is
-                   ///< too small by at most the shortest transit time of a packet
+  /// The time from measuring to reading. The age is exact on one host; between hosts, it is too
+  /// small by at most the shortest transit time of a packet.
+  Duration age{};
   std::uint64_t session = 0;  ///< session of the sender, as Caller::session
   std::uint64_t command = 0;  ///< counter of the command that the sample feeds; 0: none
 };
@@ -37,8 +38,8 @@ namespace session {
 
 class CallCore;
 
-/// Says whether the stream takes or refuses samples that feed no command, while no command takes
-/// samples.
+/// Says what happens to samples that feed no command, while no command takes samples: the stream
+/// takes these samples, or refuses them.
 enum class Unfed : std::uint8_t { Taken, Refused };
 
 /// An admitted sample before it is decoded. Its memory is reused for the next sample.
@@ -57,7 +58,7 @@ class InwardCore {
   /// Stores in `into` the oldest unread sample that may have an effect at present. Returns false
   /// when there is no such sample. Never waits.
   virtual bool next(RawInward& into, Unfed unfed) = 0;
-  /// Must be called when the sample that `next` returned last does not decode. The sample then
+  /// Must be called when the sample that `next` returned last cannot be decoded. The sample then
   /// counts as refused.
   virtual void unreadable(const RawInward& sample, const std::string& why) = 0;
   virtual bool expired() = 0;
@@ -69,22 +70,26 @@ class InwardCore {
   virtual void end_feeding(std::uint64_t feeding) = 0;
 };
 
-/// Calls `use` with the core of the stream; does nothing while no server serves `servant`.
+/// Calls `use` with the core of the stream. Does nothing while no server serves `servant`.
 void with_inward(const Servant& servant, const InwardDescription& stream,
                  FunctionRef<void(InwardCore&)> use);
 
 }  // namespace session
 
 /// The samples that clients send to an object on one inward stream. A generated servant has one
-/// member of this type for each inward stream. Reading takes no mutex of the object, and allocates
-/// nothing for samples of a fixed size once a sample was read. One thread at a time may read.
+/// member of this type for each inward stream. Reading takes no mutex of the object. After the
+/// first sample, reading allocates no memory for samples of a fixed size. One thread at a time may
+/// read.
 ///
-/// Each sample is judged when it is read: its session must be open, its sender must have the status
-/// that the stream needs under the present epoch, the sample must not be older than the watchdog or
-/// the lifespan, and the command that it feeds must take samples (Feeding). All other samples have
-/// no effect and are only counted. After a pause of this process, samples are held back until
-/// commands may start again. The samples of one client arrive in order. If a client sends more
-/// samples than the depth of the stream between two reads, the oldest of them are lost.
+/// Each sample is judged when it is read. The session of the sample must be open. The sender must
+/// have the status that the stream needs, under the present epoch. The sample must not be older
+/// than the watchdog time or the lifespan of the stream. If the sample feeds a command, this
+/// command must take samples (Feeding). A sample that does not meet these conditions has no effect
+/// and is only counted.
+///
+/// After a pause of this process, samples are held back until commands may start again. The samples
+/// of one client arrive in order. If a client sends more samples than the depth of the stream
+/// between two reads, the oldest of these samples are lost.
 template <class T>
 class Inward {
  public:
@@ -143,7 +148,7 @@ class Inward {
     std::uint64_t number_ = 0;
   };
   /// Lets the command of a running handler take the samples: `const auto feeding =
-  /// alter().feeds(run);`. Samples that feed another command or no command are then refused.
+  /// alter().feeds(run);`. The stream then refuses samples that feed another command or no command.
   template <class Feedback>
   Feeding feeds(const Execution<Feedback>& run) {
     return {*this, run.core()};

@@ -19,18 +19,18 @@
 namespace gecos {
 
 struct LabOptions {
-  /// Address of the broker, for example "shm:…" or "lcm:…". If it is empty, the environment
-  /// variable `GECOS_BROKER` gives the address; if that is not set either, `[broker] address` of
-  /// the lab file does. If that names no address, the broker of this host is used. `create` fails
-  /// if the lab file is needed and cannot be used.
+  /// Address of the broker, for example "shm:…" or "lcm:…". If this address is empty, the
+  /// environment variable `GECOS_BROKER` gives the address. If that variable is not set either,
+  /// `[broker] address` of the lab file gives the address. If the lab file gives no address, the
+  /// broker of this host is used. `create` fails if the lab file is needed and cannot be used.
   std::string broker{};
-  /// The lab file. It may say where the broker is, and its lists say which users may connect to the
-  /// objects that this program serves. It must belong to root or to the user of this program, no
-  /// other user may write to it, and it has at most 64 KiB. If `lab_file` is empty, the environment
-  /// variable `GECOS_LAB_FILE` names the file; if that is not set either, the file is
-  /// /etc/gecos/lab.toml, if it exists.
+  /// The path of the lab file. The lab file may give the address of the broker, and its lists say
+  /// which users may connect to the objects that this program serves. The file must belong to root
+  /// or to the user of this program, no other user may write to it, and its size is at most 64 KiB.
+  /// If `lab_file` is empty, the environment variable `GECOS_LAB_FILE` gives the path. If that
+  /// variable is not set either, the file is /etc/gecos/lab.toml, if it exists.
   std::string lab_file{};
-  /// The name of this program that others see. Empty: the name of its executable.
+  /// The name of this program that other programs see. Empty: the name of its executable.
   std::string program{};
   Duration grace = std::chrono::seconds(1);  ///< how long a peer may be UNREACHABLE before it is
                                              ///< lost
@@ -43,12 +43,13 @@ struct CreateOptions {
   /// The medium to use. `create` fails when this medium is not available, even if other media are
   /// available. Without a value, `create` uses the best available medium.
   std::optional<media::Kind> medium{};
-  /// The medium over which the samples and events of the object must come in. Without a value, it
-  /// is `medium`. `create` fails when this medium is not available, even if other media are. If it
-  /// differs from the medium of the calls, the proxy opens a second session with the object.
+  /// The medium over which the samples and events of the object must come in. Without a value, the
+  /// member `medium` decides. `create` fails when this medium is not available, even if other media
+  /// are available. If this medium differs from the medium of the calls, the proxy opens a second
+  /// session with the object.
   std::optional<media::Kind> in{};
   /// The medium over which calls and inward samples must go out. The results of the calls come back
-  /// over the same medium. Without a value, it is `medium`.
+  /// over the same medium. Without a value, the member `medium` decides.
   std::optional<media::Kind> out{};
   /// The longest round trip that the program accepts, also from a simulated device. Zero: only the
   /// interface may limit the round trip. If there is a limit, `create` measures each medium by a
@@ -57,16 +58,16 @@ struct CreateOptions {
   /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
   /// The time for which `create` keeps trying while one of the named objects is not online, or
-  /// while no broker answers. Duration::max(): without limit. `create` does not wait for an object
-  /// of the wrong type, nor if the server of the object refuses this program. It does wait while
-  /// the broker refuses this program, because the server of an object that starts may admit it; the
-  /// failure is then the refusal.
+  /// while no broker answers. Duration::max(): without limit. `create` does not wait when the
+  /// object has the wrong type, or when the server of the object refuses this program. `create`
+  /// waits while the broker refuses this program, because a server that starts may make the broker
+  /// admit this program. If that does not happen in time, `create` fails with the refusal.
   Duration wait{};
   /// Required incarnation of the server process, as in an ObjectRef; 0: any.
   std::uint64_t incarnation = 0;
 };
 
-/// Why `create` failed: a reason for each name that was tried.
+/// The reasons for which `create` failed, one for each name that was tried.
 struct CreateError {
   struct Attempt {
     std::string name;
@@ -97,7 +98,7 @@ using LabOrWhyNot = tl::expected<std::shared_ptr<Context>, NoLab>;
 /// Returns the error text for a missing resource, for example "this process has no resources left
 /// for a Lab: eventfd (see `ulimit -n` …): Too many open files".
 std::string nothing_left(std::string_view what_for, const std::system_error& why);
-/// Like `create`, but tries only once and ignores `options.wait`.
+/// Like `create`, but makes only one attempt and ignores `options.wait`.
 tl::expected<Created, CreateError> try_create(const LabOrWhyNot& lab,
                                               const InterfaceDescription& wanted,
                                               const std::vector<std::string>& names,

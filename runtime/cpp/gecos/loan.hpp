@@ -8,7 +8,7 @@
 
 #include "gecos/description.hpp"
 
-/// Samples of which a servant writes the @bulk sequence where their readers find it.
+/// Samples whose @bulk sequence a servant writes directly into the memory that the readers read.
 namespace gecos {
 
 namespace session {
@@ -23,10 +23,10 @@ struct LentMemory {
 
 }  // namespace session
 
-/// The next sample of a stream, in the memory where its readers find it. A generated function such
-/// as `lend_picture` makes the loan and writes all members but the octets of the @bulk sequence;
-/// the servant writes the octets and calls publish(). A loan that ends without publish() is no
-/// sample.
+/// The next sample of a stream, in the memory that the readers of the stream read. A generated
+/// function such as `lend_picture` makes the loan and writes all members but the octets of the
+/// @bulk sequence; the servant writes the octets and calls publish(). If a loan ends without
+/// publish(), no sample is published.
 ///
 /// While a stream has a loan, nothing else can be published on this stream. Like publishing, a loan
 /// is used by one thread at a time. It must end before its servant; it may outlive the server.
@@ -42,17 +42,18 @@ class Loan {
   Loan& operator=(Loan&& other) noexcept;
   ~Loan() { give_back(); }
 
-  /// Returns whether memory is lent: false if the sample was refused, which the log says, if no
-  /// server serves the servant, and after publish().
+  /// Returns whether this loan has memory. It has none after publish(), if no server serves the
+  /// servant, and if the sample was refused, in which case the log has the reason.
   explicit operator bool() const { return publisher_ != nullptr; }
   /// Returns the octets of the @bulk sequence, which are not initialized. They may be written until
   /// publish(), and must not be used afterwards.
   std::span<std::uint8_t> octets() const;
-  /// For bindings of other languages: returns what keeps the memory valid after the end of the
-  /// loan.
+  /// For bindings of other languages: returns an owner that keeps the memory valid after the end of
+  /// the loan.
   std::shared_ptr<void> owner() const { return memory_.owner; }
   /// Publishes the sample and ends the loan. Returns false if the server has closed the stream, or
-  /// serves the servant no more. `stamp_ns`: when the sample was measured, Unix time in ns.
+  /// no longer serves the servant. `stamp_ns`: the Unix time in ns at which the sample was
+  /// measured.
   bool publish(std::int64_t stamp_ns = measured_now);
 
  private:

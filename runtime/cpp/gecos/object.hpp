@@ -35,7 +35,8 @@ struct LineState {
   bool degraded = false;                 ///< the round trip has exceeded the bound for a second
   /// How often the state has changed: `degraded` has, or a failover has succeeded or failed.
   std::uint64_t changes = 0;
-  /// The medium that the proxy has left, if the last change was a failover to `medium`.
+  /// The medium that the proxy has left, if the last change was a failover. The proxy now uses
+  /// `medium`.
   std::string moved_from{};
   std::string why{};  ///< what the last change was, and why, for people; empty before the first
 };
@@ -104,7 +105,8 @@ std::shared_ptr<CommandCore> ended(Failure failure);
 class Refused {
  public:
   explicit Refused(std::string why);
-  /// For an operation with @on_new("blend"): `session` then leaves out those that are called later.
+  /// Used for operations with @on_new("blend"): a call with invalid parameters makes `session`
+  /// leave out the commands with @on_new("blend") that are called later.
   Refused(std::string why, ClientSession& session, const OperationDescription& operation);
   /// Returns how many calls this process has refused before they were sent.
   static std::uint64_t count();
@@ -149,7 +151,7 @@ class Object {
   const {
     return Command<T, Feedback>(gecos_session_->call(operation, size, encode, gecos_options_));
   }
-  /// Like the overloads above, for an operation without arguments.
+  /// Calls an operation without arguments, like the overloads above.
   template <class T, class Feedback = void>
   requires(!std::is_void_v<T>) Command<T, Feedback> gecos_call(
       const OperationDescription& operation, bool (*decode)(wire::Decoder&, T&))

@@ -30,15 +30,15 @@ class ObjectWatch {
   ObjectWatch(const ObjectWatch&) = delete;
   ObjectWatch& operator=(const ObjectWatch&) = delete;
 
-  /// Waits at most `patience` for the next change, or 2 s longer if the broker does not answer, and
-  /// returns the change. The first calls return each object that is already online or silent. While
-  /// no broker answers, there are no changes, because the objects continue to run. After the Lab
-  /// was closed, returns nullopt at once.
+  /// Waits at most `patience` for the next change, or 2 s longer if the broker does not answer.
+  /// Returns the change; nullopt when there was none. The first calls return each object that is
+  /// already online or silent. While no broker answers, there are no changes, because the objects
+  /// continue to run. After the Lab was closed, returns nullopt at once.
   std::optional<Registration> next(Duration patience);
 
   /// Returns the number of changes that this watch did not report, because the broker keeps only
-  /// the last 1024 changes and the watch read them too late. The watch reported only the state
-  /// after these changes.
+  /// the last 1024 changes and the watch asked for changes too late. The watch reported only the
+  /// state after these changes.
   std::uint64_t skipped() const;
   /// Returns true when the Lab was closed.
   bool closed() const;

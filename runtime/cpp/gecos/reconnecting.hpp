@@ -16,12 +16,12 @@ namespace gecos {
 struct ReconnectOptions {
   CreateOptions create{};                                   ///< options of each attempt to connect
   Duration between_tries = std::chrono::milliseconds(500);  ///< pause after a failed attempt
-  /// A stream without a new sample for this long is opened again, through a new proxy.
+  /// The time without a new sample after which a stream is opened again, through a new proxy.
   Duration silence = std::chrono::seconds(1);
 };
 
-/// A proxy that is created when it is first needed, and again after its server was lost. The object
-/// need not be online yet. Thread-safe; `lab` must outlive this object.
+/// A proxy that is created at its first use, and created again after its server was lost. The
+/// object need not be online yet. Thread-safe; `lab` must outlive this object.
 template <class Proxy>
 class Reconnecting {
  public:
@@ -31,8 +31,8 @@ class Reconnecting {
   const std::string& name() const { return name_; }
 
   /// Returns the proxy. If there is no proxy, creates one, which takes at most `create.patience`;
-  /// other threads that call `get` wait for it. For `between_tries` after a failed attempt, makes
-  /// no new attempt and returns the reason of the failure at once.
+  /// other threads that call `get` wait for it. After a failed attempt, makes no new attempt for
+  /// the time `between_tries`, and returns the reason of the failure at once.
   tl::expected<Proxy, std::string> get() {
     const MutexLock lock(mutex_);
     if (proxy_) return *proxy_;
@@ -54,8 +54,8 @@ class Reconnecting {
     return call_once(call);
   }
 
-  /// Drops the proxy `lost`, so that the next `get` creates a new one. Does nothing when `lost` was
-  /// replaced already.
+  /// Drops the proxy `lost`, so that the next `get` creates a new one. Does nothing when another
+  /// proxy has already replaced `lost`.
   void drop(const Proxy& lost) {
     const MutexLock lock(mutex_);
     if (proxy_ && session_of(*proxy_) == session_of(lost)) proxy_.reset();

@@ -118,7 +118,8 @@ Servant::~Servant() {
   const std::string name = gecos_served_as();
   if (name.empty()) return;
   log_error(name,
-            "its servant is destroyed while a Server serves it, which may crash the program; "
+            "the servant of this object is destroyed while a Server serves it, which may crash the "
+            "program; "
             "declare the servant before the Server");
 }
 

@@ -46,17 +46,17 @@ class Fault {
   Fault(const E& exception)  // NOLINT(google-explicit-constructor)
       : failure_(failure_of(exception)) {}
 
-  /// The handler refuses the command; `why` says what the caller should do.
+  /// Makes the Fault of a handler that refuses the command. `why` says what the caller should do.
   static Fault rejected(std::string why) {
     return Fault({Detail::Rejected, std::move(why), {}, {}});
   }
   static Fault bad_parameter(std::string why) {
     return Fault({Detail::BadParameter, std::move(why), {}, {}});
   }
-  /// A failure for which the operation declares no exception.
+  /// Makes a Fault for a failure for which the operation declares no exception.
   static Fault failed(std::string why) { return Fault({Detail::Fault, std::move(why), {}, {}}); }
-  /// The handler ended early because it was interrupted. The session already knows why it was
-  /// interrupted (cancel, stop or loss).
+  /// Makes the Fault of a handler that ended early because it was interrupted. The session already
+  /// knows the reason of the interruption (cancel, stop or loss).
   static Fault interrupted() { return Fault({Detail::Canceled, "canceled", {}, {}}); }
 
   const Failure& failure() const { return failure_; }
@@ -244,7 +244,7 @@ class Execution {
   /// Returns the number of the command in its caller's session.
   std::uint64_t counter() const { return call_.counter(); }
   /// Returns the epoch of the status under which the command was issued; 0 if it was issued under
-  /// none. A stop, a take-over and the end of a status make a new epoch begin.
+  /// none. A stop, a take-over and the end of a status begin a new epoch.
   std::uint64_t status_epoch() const { return call_.status_epoch(); }
   /// For the runtime.
   std::shared_ptr<const session::CallCore> core() const { return call_.core(); }
@@ -260,16 +260,17 @@ namespace session {
 class Publisher {
  public:
   virtual ~Publisher() = default;
-  /// `stamp_ns`: when the sample was measured, Unix time in ns, or `measured_now`.
+  /// `stamp_ns`: the Unix time in ns at which the sample was measured, or `measured_now`.
   virtual void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) = 0;
-  /// Lends `size` bytes of memory for the next sample of the stream. Fails with the reason.
+  /// Lends `size` bytes of memory for the next sample of the stream. On failure, returns the
+  /// reason.
   virtual tl::expected<LentMemory, std::string> lend(const StreamDescription& stream,
                                                      std::size_t size);
   /// Publishes the sample in `memory`, which lend() returned. Returns false if the stream was
   /// closed meanwhile.
   virtual bool publish_lent(const StreamDescription& stream, const LentMemory& memory,
                             std::int64_t stamp_ns);
-  /// Must be called when `memory`, which lend() returned, will not be published.
+  /// Must be called when the memory `memory`, which lend() returned, will not be published.
   virtual void give_back(const StreamDescription& stream, const LentMemory& memory);
   /// Returns the samples of an inward stream; null when the object has no such stream.
   virtual InwardCore* inward(const InwardDescription& stream) {
@@ -389,12 +390,12 @@ class Servant {
     std::size_t most = 0;    ///< bound of the @bulk sequence
   };
   /// For generated skeletons and bindings: lends the memory of a sample. `encode` writes all
-  /// members, with put_bulk() for the @bulk sequence. Fails with the reason; returns an empty Loan
-  /// if no server serves the servant.
+  /// members, with put_bulk() for the @bulk sequence. On failure, returns the reason. Returns an
+  /// empty Loan if no server serves the servant.
   tl::expected<Loan, std::string> gecos_lend(const StreamDescription& outward, const LentSize& size,
                                              FunctionRef<void(wire::Encoder&)> encode);
-  /// For generated skeletons: lends the memory of a sample with the members of `value`, and with
-  /// `octets` octets in the @bulk sequence, which must be empty in `value`.
+  /// For generated skeletons: lends the memory of a sample. The sample has the members of `value`,
+  /// and `octets` octets in its @bulk sequence. In `value`, the @bulk sequence must be empty.
   template <class T>
   Loan gecos_lend(const StreamDescription& outward, std::string_view name, const T& value,
                   std::size_t octets, std::size_t most) {
@@ -402,7 +403,7 @@ class Servant {
     return gecos_lent(name, gecos_lend(outward, {value.encoded_size() + octets, octets, most},
                                        [&](wire::Encoder& to) { value.encode(to); }));
   }
-  /// Like gecos_lend(), for a value that is encoded as a block.
+  /// Like gecos_lend(), but for a value that is encoded as a block.
   template <class T>
   Loan gecos_lend_block(const StreamDescription& outward, std::string_view name, const T& value,
                         std::size_t octets, std::size_t most) {
@@ -423,7 +424,8 @@ class Servant {
   bool gecos_attached() const { return !gecos_publisher_.empty(); }
   /// Logs why a sample was not published. `name` is the stream's scoped name.
   static void gecos_not_published(std::string_view name, const std::string& why);
-  /// Logs why no memory was lent, and returns an empty Loan in this case.
+  /// If `lent` is an error, logs why no memory was lent, and returns an empty Loan. Otherwise
+  /// returns the Loan.
   static Loan gecos_lent(std::string_view name, tl::expected<Loan, std::string> lent);
 
   session::PublisherSlot gecos_publisher_;

@@ -24,7 +24,7 @@ struct ServeOptions {
   /// names of the objects, for example "serving RX90, GRIPPER".
   std::string ready{};
   /// The users and hosts that may connect in addition to the user of this process on this host, as
-  /// given to Server::allow. If both lists are empty, the lab file alone decides.
+  /// in Server::allow. If both lists are empty, the lab file alone decides.
   std::vector<std::string> users{};
   std::vector<std::string> hosts{};
   /// Admission::Insecure admits every user and host to simulated objects. Set it only for a flag

@@ -26,8 +26,9 @@ struct ObjectOptions {
   std::vector<media::Kind> media{};
   bool well_known = false;  ///< clients find it at the host's well-known address, without a broker
   Duration patience = std::chrono::seconds(10);  ///< how long to wait for a broker that is starting
-  /// For the program of the broker; every other program leaves this null. The users who may only
-  /// look for the objects that admit them.
+  /// The users whom the broker admits as visitors, who may only look for the objects that admit
+  /// these users. Only the program of the broker sets this member; in every other program it is
+  /// null.
   std::shared_ptr<const session::Visitors> visitors{};
 };
 
@@ -38,13 +39,13 @@ std::ostream& operator<<(std::ostream& out, const ServeError& error);
 
 /// The users and hosts that a server admits.
 enum class Admission : std::uint8_t {
-  /// The user of the server on its host, and those whom `Server::allow` and the lab file name.
+  /// Admits the user of the server on its host, and the users and hosts that `Server::allow` and
+  /// the lab file name.
   Listed,
-  /// Every user and host that the kernel or an admitted key proves: neither `Server::allow` nor an
-  /// `[allow]` of the lab file counts. A server that does so serves simulated objects only, and
-  /// says
-  /// so on stderr, in its audit and in the descriptions of its objects. Keys, encryption, statuses,
-  /// passwords, administrators and presence stay in force.
+  /// Admits every user and host that the kernel or an admitted key proves; `Server::allow` and the
+  /// `[allow]` tables of the lab file do not count. A server with this admission serves simulated
+  /// objects only, and says so on stderr, in its audit and in the descriptions of its objects.
+  /// Keys, encryption, statuses, passwords, administrators and presence stay in force.
   Insecure,
 };
 
@@ -61,8 +62,8 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Waits until the lab's broker answers. The error says at which addresses the broker was
-  /// searched for. `add` waits for the broker, too.
+  /// Waits until the lab's broker answers. On failure, the error names the addresses at which no
+  /// broker was found. `add` also waits for the broker.
   tl::expected<void, ServeError> await_broker(Duration patience);
   /// Serves `servant` under `name` from now on. The servant must outlive the server. Fails when no
   /// other process could reach the object, unless `options.media` limits the object to this
@@ -76,12 +77,13 @@ class Server {
   /// user of this process on this host: for example `allow({"anna"})`. "*" admits every name. If
   /// the lab file also has a list for an object, both lists must admit a client. Applies to
   /// connections that are made after the call, and replaces the names of an earlier call. The
-  /// broker is told those of these names that the lab file of this server admits, too. The broker
-  /// lets a user whom its own lab file does not admit find the objects of this server, and do
-  /// nothing else. Throws std::invalid_argument if there are more than 256 users or more than 256
-  /// hosts, or if a name is empty, is not UTF-8, or has more than 256 bytes or a control character.
-  /// Programs of another user of this host can connect only if an administrator has prepared
-  /// the host for this (docs/security.md). Does not lower the status that an operation needs.
+  /// server tells the broker these names, except the names that the lab file of this server does
+  /// not admit. The broker lets these users find the objects of this server. A user whom the lab
+  /// file of the broker does not admit may do nothing else at the broker. Throws
+  /// std::invalid_argument if there are more than 256 users or more than 256 hosts, or if a name is
+  /// empty, is not UTF-8, or has more than 256 bytes or a control character. Programs of another
+  /// user of this host can connect only if an administrator has prepared the host for this
+  /// (docs/security.md). Does not lower the status that an operation needs.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts = {});
   /// Waits until any thread of the process gets SIGINT or SIGTERM, or until `shut_down()`. Logs an
   /// error and returns at once when the server could not be made.
@@ -91,7 +93,7 @@ class Server {
 
  private:
   class Core;
-  /// The error says why the server could not be made.
+  /// The core of the server, or an error that says why the server could not be made.
   tl::expected<std::unique_ptr<Core>, std::string> core_;
 };
 

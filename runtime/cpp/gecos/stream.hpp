@@ -30,8 +30,9 @@ struct Sample {
                                ///< an event, the subscription) and this one
   double stamp = 0;  ///< when the value was measured, in s of Unix time by the server's clock; for
                      ///< display
-  Duration age{};    ///< time from measuring to reading; setting a clock does not change it. On one
-                     ///< host it is exact; between hosts it is too large by at most one round trip
+  /// The time from measuring to reading. The age is exact on one host; between hosts, it is too
+  /// large by at most one round trip. Setting a clock does not change the age.
+  Duration age{};
 };
 
 /// One value of a stream that is read where its publisher wrote it, without a copy. Only the octets
@@ -69,8 +70,8 @@ std::ostream& operator<<(std::ostream& out, StreamEnd end);
 namespace session {
 
 struct RawSample : media::StreamSample {
-  /// When the sample was measured, by CLOCK_BOOTTIME of the reader's host. May be too early when
-  /// another host sent the sample.
+  /// The time at which the sample was measured, by CLOCK_BOOTTIME of the reader's host. The time
+  /// may be too early when another host sent the sample.
   TimePoint measured{};
   Duration age{};  ///< time from measuring to reading; never negative
 };
@@ -88,12 +89,14 @@ class StreamCore {
   /// Stores the newest sample in `into`. Returns false before the first sample, when the stream is
   /// lost, and when the terms of the stream withhold the newest sample (qos::Reception).
   virtual bool latest(RawSample& into) = 0;
-  /// Waits for the next unread sample and stores it in `into`. After a loss of the stream, gives
-  /// the samples that had arrived before the loss. After the Lab was closed, gives no sample.
+  /// Waits for the next unread sample and stores it in `into`. After a loss of the stream, returns
+  /// the samples that had arrived before the loss. After the Lab was closed, returns no sample.
   virtual tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) = 0;
-  /// As latest(), but lends the sample; returns it again if its number is `into.sequence`.
+  /// Lends the newest sample, under the conditions of latest(). Returns the lent sample again if
+  /// its number is `into.sequence`.
   virtual bool lend_latest(RawLent& into) = 0;
-  /// As next(), but lends the sample. Reads only `into.sequence`.
+  /// Lends the next unread sample, under the conditions of next(). Reads only the member
+  /// `into.sequence` of `into`.
   virtual tl::expected<void, StreamEnd> lend_next(RawLent& into, TimePoint deadline) = 0;
   virtual bool lost() const = 0;
   /// Returns why the stream was lost; an empty text if the program closed its Lab, and while the
@@ -114,13 +117,14 @@ class ReadPosition {
  public:
   explicit ReadPosition(std::uint64_t after) { sample_.sequence = after; }
 
-  /// Read a sample into sample(); the results are those of StreamCore.
+  /// These functions read a sample into sample(). Their results are those of StreamCore.
   bool latest(StreamCore& stream);
   tl::expected<void, StreamEnd> next(StreamCore& stream, TimePoint deadline);
-  /// Read a sample into `into`, in place.
+  /// These functions read a sample into `into`, in place.
   bool lend_latest(StreamCore& stream, RawLent& into);
   tl::expected<void, StreamEnd> lend_next(StreamCore& stream, RawLent& into, TimePoint deadline);
-  /// Returns the sample that latest() or next() has read last. Its memory is used again.
+  /// Returns the sample that latest() or next() has read last. The memory of the sample is used
+  /// again by the next read.
   const RawSample& sample() const { return sample_; }
 
  private:
@@ -188,14 +192,15 @@ class Stream {
   /// closed. Then latest() returns nullopt, and next() returns only the samples that had arrived
   /// before, or none if the Lab was closed.
   bool lost() const { return core_->lost(); }
-  /// Returns why the stream is lost(), for people; an empty text if it is not lost, or if the Lab
-  /// was closed.
+  /// Returns a text for people that says why the stream is lost(). The text is empty if the stream
+  /// is not lost, or if the Lab was closed.
   std::string loss_text() const { return core_->loss_text(); }
   /// Returns whether the writer was alive when the stream was last read. Returns false once the
   /// stream is lost(). With `@qos(liveliness=MANUAL)`, also returns false from a missed deadline
   /// until the next sample.
   bool alive() const { return core_->alive(); }
-  /// Returns what became of the samples since the subscription. Any thread may call this function.
+  /// Returns the counts of the samples since the subscription: how many were read, lost or
+  /// withheld. Any thread may call this function.
   qos::StreamCounts counts() const { return core_->counts(); }
   /// Returns whether the samples are the occurrences of an event.
   bool is_event() const { return core_->after().has_value(); }
@@ -221,7 +226,8 @@ class Stream {
     std::optional<ByteView> octets;
     from.keep_bulk(octets);
     SampleInPlace<T> sample;
-    // A sample that its writer overwrote meanwhile may not decode, which is no fault of the server.
+    // If the writer has overwritten the sample meanwhile, a failure to decode it is no fault of the
+    // server.
     if (!decode_(from, sample.value)) {
       if (lent.intact()) note_unreadable(lent.sequence);
       return std::nullopt;

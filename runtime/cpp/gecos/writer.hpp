@@ -33,7 +33,8 @@ class WriterCore {
   virtual tl::expected<void, Failure> send(std::size_t size,
                                            FunctionRef<void(wire::Encoder&)> encode,
                                            std::int64_t stamp_ns) = 0;
-  /// From now on, each sample feeds the command `id`; nullopt: the samples feed no command.
+  /// From now on, each sample feeds the command `id`. If `id` is nullopt, the samples feed no
+  /// command.
   virtual void feeds(std::optional<CommandId> id) = 0;
   virtual Command<FeedReport> report() = 0;
   virtual bool lost() const = 0;
@@ -62,18 +63,18 @@ class Writer {
 
   /// Sends one sample under the session's present status. Fails without sending when the value is
   /// out of its @range or too large, when the session has no status but the stream needs one, and
-  /// when the session is lost. `stamp_ns`: when the value was measured, Unix time in ns.
+  /// when the session is lost. `stamp_ns`: the Unix time in ns at which the value was measured.
   [[nodiscard]] tl::expected<void, Failure> send(const T& value,
                                                  std::int64_t stamp_ns = measured_now) {
     return send_(*core_, value, stamp_ns);
   }
-  /// Makes each further sample feed `command`, so that it has no effect unless that command runs
-  /// and takes samples.
+  /// From now on, each sample feeds `command`, so that a sample has an effect only while this
+  /// command runs and takes samples.
   template <class Result, class Feedback>
   void feeds(const Command<Result, Feedback>& command) {
     core_->feeds(command.id());
   }
-  /// Makes further samples feed no command.
+  /// From now on, samples feed no command.
   void feeds_no_command() { core_->feeds(std::nullopt); }
   /// Asks the server what became of the samples that this session has sent.
   Command<FeedReport> report() { return core_->report(); }
