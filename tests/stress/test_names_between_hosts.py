@@ -100,7 +100,8 @@ def test_the_name_of_a_frozen_server_of_another_host_is_set_free_by_hand(two: Tw
     frozen = two.serve(1)
     two.told("ONLINE")
     refused = two.gecos(1, "free", "RAIL")
-    assert refused.finish() == 3 and "the broker still hears the server of this object" in refused.output()
+    assert refused.finish() == 3
+    assert "the broker still hears the server of this object" in refused.output()
     frozen.signal(signal.SIGSTOP)
     two.told("SILENT")
     freed = two.gecos(1, "free", "RAIL")

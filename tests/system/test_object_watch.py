@@ -207,7 +207,8 @@ def test_the_command_line_says_which_name_cannot_be_set_free(
     assert heard.finish() == 3
     assert re.fullmatch(
         "gecos: REJECTED: the name RAIL is not set free: the broker still hears "
-        rf"the server of this object, a lab::RailSensor of \S+ on \S+, pid {server.pid}; end that server",
+        "the server of this object, a "
+        rf"lab::RailSensor of \S+ on \S+, pid {server.pid}; end that server",
         heard.output(),
     )
     unknown = lab.run(*GECOS, "free", "NOBODY", "--json")
