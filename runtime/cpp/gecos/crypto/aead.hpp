@@ -7,8 +7,8 @@
 #include "gecos/base/bytes.hpp"
 #include "gecos/crypto/secret.hpp"
 
-/// Encryption with ChaCha20-Poly1305. The nonce is that of the Noise protocol: four zero bytes,
-/// then a little-endian counter. No function of this file allocates memory.
+/// Encryption with ChaCha20-Poly1305. The nonce has the form of the Noise protocol: four zero
+/// bytes, then a little-endian counter. No function of this file allocates memory.
 namespace gecos::crypto {
 
 inline constexpr std::size_t tag_bytes = 16;

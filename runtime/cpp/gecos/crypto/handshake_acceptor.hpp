@@ -19,10 +19,10 @@ struct HandshakeRule {
   /// a flood of first messages can take only a limited part of the thread's time.
   std::uint32_t burst = 256;
   std::uint32_t per_second = 200;
-  /// For this time, a first message that is repeated gets the same answer again.
+  /// When a first message is repeated within this time, the acceptor gives the same answer again.
   Duration answers_kept = std::chrono::seconds{5};
-  /// Number of first messages that the acceptor remembers, so that it can refuse their later
-  /// replay.
+  /// The number of first messages that the acceptor remembers. It refuses a later replay of these
+  /// messages.
   std::size_t remembered = 4096;
 };
 

@@ -10,8 +10,8 @@ constexpr std::size_t sealed_key_bytes = key_bytes + tag_bytes;
 SymmetricState begin(ByteView prologue, const PublicKey& responder) {
   SymmetricState state(noise_name);
   state.mix_hash(prologue);
-  // This is the pre-message "<- s" of the Noise pattern: the initiator knows the responder's key
-  // beforehand.
+  // The initiator knows the responder's key beforehand. This is the pre-message "<- s" of the Noise
+  // pattern.
   state.mix_hash(responder.bytes);
   return state;
 }

@@ -205,8 +205,8 @@ tl::expected<Identity, KeyError> KeyDirectory::identity() const {
   }
   if (!secret) return tl::unexpected(secret.error());
   const KeyPair pair = KeyPair::of(**secret);
-  // The user can give the file with the public key to other users. A failure to write this file is
-  // only logged, because the program works without it; the directory may be read-only.
+  // A failure to write the file with the public key is only logged, because the program works
+  // without this file, and the directory may be read-only. The user gives this file to other users.
   const std::string public_path = path_ + "/" + pair.public_key.to_string() + ".public";
   if (::access(public_path.c_str(), F_OK) != 0 &&
       !put_file(public_path, path_, key_file_text(KeyFileKind::PublicKey, pair.public_key.bytes)) &&

@@ -31,15 +31,15 @@ struct KeyOwner {
 /// The directory with a user's keys. No other part of gecos/crypto reads or writes files.
 /// Thread-safe. The directory has three kinds of files:
 ///
-///     own.secret              this user's secret key, created at first use and never sent
-///     <64 hex digits>.public  the public key of an admitted user; its name is the key
-///     <64 hex digits>.owner   whose key it is, such as "anna@desk"; may be missing
+/// own.secret this user's secret key, created at first use and never sent <64 hex digits>.public
+/// the public key of an admitted user; its name is the key <64 hex digits>.owner whose key it is,
+/// such as "anna@desk"; may be missing
 ///
 /// Only the user may access the directory (mode 0700) and its files (mode 0600); other users may
 /// read a .public file. A user who has the same home directory on several hosts has one key. To let
-/// two users connect, each of them adds the .public file of the other one, with its owner, by
-/// `gecos keys add FILE USER@HOST`. A key without a .owner file counts as another key of this user,
-/// whom no list limits.
+/// two users connect, each user adds the .public file of the other user, with the name of its
+/// owner, by `gecos keys add FILE USER@HOST`. A key without a .owner file counts as another key of
+/// this user, and no list of users excludes this user.
 class KeyDirectory {
  public:
   /// Returns the path of the user's key directory: $GECOS_KEY_DIR if that variable is set, else
@@ -62,9 +62,9 @@ class KeyDirectory {
   /// when the file is damaged or holds another key, when other users may write it, or when it has
   /// an owner that cannot be read.
   tl::expected<void, KeyError> admission(const PublicKey& key) const;
-  /// Returns the owner of `key`, as the key file of `key` states it. Returns nullopt when there is
-  /// no such file or it states no owner. Fails when the file cannot be read, or when other users
-  /// may write it.
+  /// Returns the owner of `key`, as the key file of `key` states it. Returns nullopt when `key` has
+  /// no key file, or when the file states no owner. Fails when the file cannot be read, or when
+  /// other users may write it.
   tl::expected<std::optional<KeyOwner>, KeyError> owner(const PublicKey& key) const;
   bool is_admitted(const PublicKey& key) const { return admission(key).has_value(); }
 

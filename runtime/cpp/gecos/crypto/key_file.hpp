@@ -14,8 +14,8 @@ namespace gecos::crypto {
 
 inline constexpr std::size_t key_file_bytes = 15 + 64 + 1 + 8 + 1;
 
-/// The text of a key file. The destructor overwrites the text, because the text of a secret key is
-/// as secret as the key.
+/// The text of a key file. The destructor overwrites the text, because the text contains the key,
+/// which may be secret.
 using KeyText = Secret<key_file_bytes>;
 
 enum class KeyFileKind : std::uint8_t { SecretKey, PublicKey };

@@ -11,8 +11,8 @@ namespace gecos::crypto {
 /// seen.
 ///
 /// The numbers are bits in a ring that is twice as long as the window. When the window moves,
-/// mark() can therefore clear whole words that the window does not use yet, and costs the same
-/// whether packets arrive in order or not.
+/// mark() can therefore clear whole words that the window does not use yet. So mark() takes the
+/// same time whether packets arrive in order or not.
 class ReplayWindow {
  public:
   static constexpr std::uint64_t size = 1024;

@@ -7,7 +7,7 @@
 
 namespace gecos::crypto {
 
-/// Overwrites `bytes` with zeros. No compiler can optimize this away.
+/// Overwrites `bytes` with zeros. Unlike with memset(), no compiler can optimize the writes away.
 void wipe(std::span<std::byte> bytes);
 
 /// Secret bytes that must not stay in memory after their use: the destructor overwrites them.
