@@ -7,11 +7,11 @@
 namespace gecos::qos {
 
 /// Decides when a session whose connection is degraded looks for another medium
-/// (`on_degraded="failover"`), and when its program is told that the session stays where it is. A
-/// session that must stay, because it has a status, looks for none. Each degradation is followed by
-/// exactly one report: the session has moved, or it stays. A session that stays looks again every
-/// `between_searches` while it is degraded, without another report. Reads no clock. Not
-/// thread-safe.
+/// (`on_degraded="failover"`), and when the program is told that the session keeps its medium. A
+/// session that has a status must keep its medium, and looks for no other medium. Each degradation
+/// is followed by exactly one report: the session has moved, or it stays. A session that stays
+/// looks again every `between_searches` while it is degraded, but reports nothing more. Reads no
+/// clock. Not thread-safe.
 class FailoverPlan {
  public:
   static constexpr Duration between_searches = std::chrono::seconds(5);
@@ -23,12 +23,12 @@ class FailoverPlan {
   };
   /// Must be called periodically. `must_stay`: the session must not move now.
   Act look(bool degraded, bool must_stay, TimePoint now);
-  /// Must be called when the search found no medium. Returns whether to tell the program.
+  /// Must be called when the search found no medium. Returns whether the program must be told.
   bool found_none(TimePoint now);
   /// Must be called when the session has moved to another medium.
   void moved() { *this = {}; }
-  /// Must be called when what the search found is not used, because the session must stay after
-  /// all.
+  /// Must be called when the search found a medium, but the session does not use it, because the
+  /// session must now keep its medium.
   void dropped() { searching_ = false; }
 
  private:

@@ -22,7 +22,7 @@ class LatencySample {
   LatencySample(TimePoint now, Duration longest) : begun_(now), longest_(longest) {}
 
   /// Returns whether another round trip should begin. No round trip begins in the second half of
-  /// the measurement, so that the last one can end before the measurement does.
+  /// the measurement, so that the last round trip can end in time.
   bool wants_another(TimePoint now) const {
     return round_trips_.size() < most && now < begun_ + longest_ / 2;
   }

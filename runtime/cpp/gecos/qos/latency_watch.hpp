@@ -39,8 +39,8 @@ class LatencyWatch {
 
   bool degraded() const { return degraded_; }
   Duration bound() const { return bound_; }
-  /// Returns the last round trip, or the age of a probe that takes longer; nullopt before the
-  /// first.
+  /// Returns the last round trip. If the probe that is under way already takes longer than the
+  /// bound, returns the age of this probe. Returns nullopt before the first result.
   std::optional<Duration> round_trip() const { return round_trip_; }
 
  private:

@@ -18,8 +18,8 @@ enum class OnDegraded : std::uint8_t {
   Fail,      ///< the session is lost
   Failover,  ///< the proxy goes on over another medium that meets the quality, if there is one
 };
-/// The evidence that the writer of a stream is alive: heartbeats of its process, or samples of the
-/// writer itself.
+/// The evidence that shows that the writer of a stream is alive: heartbeats of its process, or
+/// samples of the writer itself.
 enum class Liveliness : std::uint8_t { Automatic, Manual };
 std::string_view to_string(Class line);  ///< for example "HARD_REALTIME", as in the interface
 std::string_view to_string(Reliability reliability);

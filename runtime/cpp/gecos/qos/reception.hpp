@@ -34,8 +34,8 @@ class Reception {
   /// skipped (Newest).
   enum class Way : std::uint8_t { InOrder, Newest };
 
-  /// `after`: the sequence number before the first sample that the reader expects; nullopt when the
-  /// reader may begin with any sample.
+  /// `after`: the sequence number of the last sample that the reader does not expect; nullopt when
+  /// the reader may begin with any sample.
   Reception(const Quality& terms, TimePoint opened, std::optional<std::uint64_t> after);
 
   /// Judges a sample that was not read before. Returns whether the reader may get the sample.
@@ -44,7 +44,7 @@ class Reception {
   void find_nothing(TimePoint now);
   /// Returns whether the reader may get the last sample once more at the time `now`.
   bool still_valid(TimePoint now) const;
-  /// Returns true once for each silence that is longer than the deadline.
+  /// Returns true once for each time without a sample that is longer than the deadline.
   bool report_late();
   /// Returns the time from which find_nothing() makes report_late() return true. Returns
   /// TimePoint::max() without a deadline, and when report_late() has already reported the present
@@ -57,7 +57,7 @@ class Reception {
   StreamCounts counts() const;
 
  private:
-  /// A number that one thread changes and any thread reads. Publishes only itself.
+  /// A number that one thread changes and any thread reads. The atomic orders no other memory.
   class Count {
    public:
     std::uint64_t get() const { return value_.load(std::memory_order_relaxed); }
