@@ -174,7 +174,7 @@ TEST_F(LcmUsers, TheServerDecidesByTheOwnerOfTheKeyThatAClientHasProved) {
   EXPECT_EQ(refused->loss(), Loss::Refused);
   EXPECT_EQ(refused->loss_text(), "only desk is admitted");
   EXPECT_EQ(asked, "bob of desk. bob of bench. ");
-  EXPECT_NE(server.connection->later_refusal()().find("has changed since its client connected"),
+  EXPECT_NE(server.connection->later_refusal()().find("has changed since the client connected"),
             std::string::npos);
 }
 

@@ -159,7 +159,8 @@ TEST(TwoUsers, EachHaveABrokerOfTheirOwnInADirectoryThatRootMadeForAll) {
   const ChildProcess first = broker_of(ada);
   ASSERT_TRUE(first.wait_ready());
   const std::string alone = heard_by(bob);
-  EXPECT_NE(alone.find("no server listens at this address (the directory is for uid 20002 alone; "
+  EXPECT_NE(alone.find("no server listens at this address (this directory is for the servers of "
+                       "uid 20002 alone; "
                        "programs of other users are reached by GECOS_BROKER=lcm)"),
             std::string::npos)
       << alone;

@@ -8,7 +8,7 @@
 namespace gecos::media {
 
 /// The values that an end of a connection publishes so that the other end can choose how to wait
-/// (waiting.hpp). A wrong value makes communication slower, but does no other harm.
+/// (waiting.hpp). A wrong value only makes communication slower.
 struct Whereabouts {
   std::int32_t core = unknown_core;  ///< core from which this end last polled the connection
   bool asleep = false;               ///< this end sleeps until it is notified

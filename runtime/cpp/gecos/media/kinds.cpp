@@ -29,8 +29,8 @@ const Registration& registration_of(Kind kind) {
 }
 
 /// Returns the part of a host identity that identifies the machine: the boot id. Returns an empty
-/// text if `identity` has no boot id. This also holds for a text with spaces before the '/',
-/// because an older program sends an error text in place of its identity.
+/// text if `identity` has no boot id. Also returns an empty text if `identity` has spaces before
+/// the '/', because an older program sends an error text in place of its identity.
 std::string_view boot_of(std::string_view identity) {
   const std::string_view boot = identity.substr(0, identity.find('/'));
   return boot.size() == identity.size() || boot.find(' ') != boot.npos ? std::string_view() : boot;

@@ -15,9 +15,9 @@
 namespace gecos::media {
 
 /// The list of all media; the medium with the shortest reach comes first. Each line has the
-/// enumerator and the name of a medium. The folder of the medium has the same name. To add a
-/// medium, add its folder and one line here (see registration.hpp). Other code must check the
-/// Capabilities, not the enumerator.
+/// enumerator of a medium, and the name of the medium and of its folder. To add a medium, add its
+/// folder and one line here (see registration.hpp). Other code must check the Capabilities, not the
+/// enumerator.
 #define GECOS_MEDIA(MEDIUM) \
   MEDIUM(Inproc, inproc)    \
   MEDIUM(Shm, shm)          \
@@ -55,7 +55,7 @@ std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock&
 std::string runtime_directory();
 
 /// Returns a text that identifies this host and its runtime directory: the boot id of the kernel,
-/// '/', and the directory by its inode. The directory is left out when shm cannot be used here. The
+/// '/', and the inode of the directory. The inode is left out when shm cannot be used here. The
 /// text is empty when the kernel does not publish a boot id. Use only the functions below to
 /// compare these texts.
 std::string host_identity();
@@ -65,11 +65,12 @@ std::string host_identity();
 /// directory must be open to all users.
 bool open_to_this_user(std::string_view identity);
 
-/// Returns whether programs of other users can reach the servers of this program over shm: it runs
-/// as root or as `gecos`, and its runtime directory is open to all users.
+/// Returns whether programs of other users can reach the servers of this program over shm. They can
+/// if this program runs as root or as `gecos`, and its runtime directory is open to all users.
 bool open_to_other_users();
 
-/// The programs of all users reach these servers over shm; see serves_all_users.
+/// The name, in texts for people, of the servers that programs of all users can reach over shm; see
+/// serves_all_users.
 inline constexpr std::string_view servers_of_all_users = "servers of root and of gecos";
 
 /// Returns whether `user` is one of the users whose servers can be open to the programs of all

@@ -61,19 +61,19 @@ struct Capabilities {
   std::size_t piece = 0;           ///< bytes of content in a piece; 0: as many as fit in a packet
 };
 
-/// What the medium knows about the program at the other end.
+/// Data that the medium has about the program at the other end of a connection.
 struct Peer {
   std::optional<std::uint32_t> uid;  ///< as reported by the kernel; nullopt when unknown
   std::optional<std::int32_t> pid;
   std::string
       description;  ///< for messages: "uid 1000, pid 4711", "key 3fa9c1d2, 239.255.76.67:20017"
-  /// The user and host to whom the proved key of the peer belongs. Empty when the peer has proved
-  /// no key, and when the key has no owner. A key without an owner counts as a key of this
-  /// program's user.
+  /// The user and host to whom the proved key of the peer belongs. Both names are empty when the
+  /// peer has proved no key, and when the key has no owner. A key without an owner counts as a key
+  /// of this program's user.
   std::string user{};
   std::string host{};
-  /// The key that the peer has proved, as 64 hexadecimal digits. Empty when it has proved none, and
-  /// for the key of this program's user.
+  /// The key that the peer has proved, as 64 hexadecimal digits. The text is empty when the peer
+  /// has proved no key, and for the key of this program's user.
   std::string key{};
 };
 
@@ -135,14 +135,14 @@ class StreamWriter {
   virtual tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) = 0;
   /// Publishes the sample in the lent memory, and wakes sleeping readers. @pre lend() was called.
   virtual void publish_lent(std::int64_t stamp_ns) = 0;
-  /// Returns what keeps lent memory valid after the end of the writer. Returns null if the readers
-  /// do not read the lent memory itself, so that lending saves no copy.
+  /// Returns an owner that keeps lent memory valid after the end of the writer. Returns null if the
+  /// readers do not read the lent memory itself, because lending then saves no copy.
   virtual std::shared_ptr<void> lent_owner() const { return nullptr; }
   /// Returns the newest sample, in the memory where its readers find it. The bytes are valid until
   /// the next call of another function of the writer. @pre lent_owner() is not null, and newest()
   /// is not 0
   virtual ByteView newest_sample() const { return {}; }
-  /// Returns the sequence number of the newest sample; 0 before the first one.
+  /// Returns the sequence number of the newest sample; 0 before the first sample.
   virtual std::uint64_t newest() const = 0;
   /// Makes the numbers of the samples go on after `newest`, so that a stream has the same numbers
   /// over all media. @pre the stream has no sample yet and is not shared
@@ -155,7 +155,7 @@ class StreamWriter {
 };
 
 /// Publishes messages in clear on a channel of the network: anybody who receives them can read
-/// them, and nothing proves who sent them. Messages may be lost. Any thread may use it.
+/// them, and nothing proves who sent them. Messages may be lost. Any thread may use an OpenChannel.
 class OpenChannel {
  public:
   virtual ~OpenChannel() = default;
@@ -207,10 +207,10 @@ class Connection {
   /// taken_by_peer() then tells which packets the peer has read.
   virtual Duration age() { return Duration::zero(); }
 
-  /// Returns this host's CLOCK_BOOTTIME minus the peer's CLOCK_BOOTTIME, plus the shortest transit
-  /// time of a packet. The medium measures this sum as the smallest difference between the arrival
-  /// time and the send time of a packet in the last minutes. Returns nullopt when both ends read
-  /// the same clock.
+  /// Returns the time by CLOCK_BOOTTIME of this host minus the time by CLOCK_BOOTTIME of the peer's
+  /// host, plus the shortest transit time of a packet. The medium measures this sum as the smallest
+  /// difference between the arrival time and the send time of a packet in the last minutes. Returns
+  /// nullopt when both ends read the same clock.
   virtual std::optional<Duration> clock_difference() { return std::nullopt; }
 
   /// Returns how many packets of this end the peer has read, even after the death of the peer.
@@ -269,8 +269,9 @@ class Connection {
 
   /// Returns a function that says why the medium would no longer admit this peer, for example
   /// because its key was removed. The text is empty while the medium would admit the peer. The
-  /// function reads files, so it may take long; any thread may call it, also after the end of the
-  /// connection. Null if the medium admits the peer for ever. Any thread may call later_refusal().
+  /// function reads files, so a call may take long; any thread may call the function, also after
+  /// the end of the connection. Null if the medium admits the peer for ever. Any thread may call
+  /// later_refusal().
   virtual std::function<std::string()> later_refusal() { return nullptr; }
 
   /// Makes a stream for this peer alone, for example for samples from a client to its server. Use
@@ -292,9 +293,9 @@ class Connection {
   virtual std::string why_no_stream(std::uint32_t id);
 };
 
-/// A function that decides whether a client may connect. The Peer contains what the kernel reports
-/// about the client, or the owner of the key that the client has proved. Returns why the client is
-/// refused; an empty text admits the client. Must not throw.
+/// A function that decides whether a client may connect. The parameter contains the data that the
+/// kernel reports about the client, or the owner of the key that the client has proved. Returns why
+/// the client is refused; an empty text admits the client. Must not throw.
 using AdmitPeer = std::function<std::string(const Peer&)>;
 
 struct MediumError {
@@ -318,8 +319,9 @@ class Acceptor {
   virtual void admit_by(AdmitPeer) {}
   /// Returns the connection to the next client that has connected, or null when there is none.
   virtual std::unique_ptr<Connection> accept() = 0;
-  /// Returns whether a client is waiting but the process is out of file descriptors. Call accept()
-  /// again later; no event announces that a descriptor can be opened again.
+  /// Returns whether a client is waiting but the process has no file descriptor left for a
+  /// connection. Call accept() again later, because no event announces that a descriptor is free
+  /// again.
   virtual bool short_of_descriptors() const { return false; }
   /// Returns the file descriptors that become readable when a client may have connected; on lcm
   /// also when packets for the acceptor's connections may have arrived.

@@ -14,8 +14,8 @@ class QuietSender {
   /// Sends a packet like Connection::send, but without waking a sleeping peer. The peer reads the
   /// packet at its next poll, before any packet that wakes it. Only the thread that calls
   /// Connection::send may call this function. A packet that is stored outside the ring, and a
-  /// packet after which less than half of the ring is free, wake the peer nevertheless. So quiet
-  /// packets do not fill the ring while the peer sleeps.
+  /// packet after which less than half of the ring is free, do wake the peer, so that quiet packets
+  /// do not fill the ring while the peer sleeps.
   virtual tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) = 0;
 
  protected:
@@ -23,7 +23,7 @@ class QuietSender {
 };
 
 /// Sends a packet for which the peer does not wait. Does not wake the peer if `connection` is a
-/// QuietSender; otherwise uses Connection::send.
+/// QuietSender; otherwise sends the packet by Connection::send.
 inline tl::expected<std::uint64_t, SendProblem> send_quietly(Connection& connection, ByteView head,
                                                              ByteView body) {
   if (auto* const quiet = dynamic_cast<QuietSender*>(&connection)) {

@@ -6,8 +6,8 @@
 
 namespace gecos::media {
 
-/// The data of a medium that are known before it is opened. For example, the folder of the medium
-/// shm defines the variable `shm_registration`.
+/// The data of a medium that are needed before the medium is opened. For example, the folder of the
+/// medium shm defines the variable `shm_registration`.
 struct Registration {
   const Capabilities& capabilities;
   /// Opens the medium with its usual settings, or returns an error that says why it cannot be used

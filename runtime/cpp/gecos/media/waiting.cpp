@@ -58,7 +58,7 @@ bool SpinPolicy::look(State as) {
       return over();
     }
   }
-  // With a small budget, the clock must be read after fewer polls.
+  // With a small time budget, the clock must be read after fewer polls.
   looks_ = budget_ < options_.shortest ? options_.looks_alone / 4 : options_.looks_alone;
   return true;
 }

@@ -10,7 +10,8 @@
 /// and then sleeps on descriptors.
 namespace gecos::media {
 
-/// Says whether the peers for which a thread waits run on the thread's core or on other cores.
+/// Says whether the peers for which a thread waits run on the core of this thread or on other
+/// cores.
 enum class Peers : std::uint8_t {
   Unknown,    ///< the medium cannot tell
   Here,       ///< on this core: the peers need it to send a packet

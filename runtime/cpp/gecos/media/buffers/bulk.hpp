@@ -22,15 +22,16 @@
 /// memory in the area again. The reader need not send anything back, and a dead reader occupies no
 /// memory.
 ///
-/// Each packet is placed at the lowest free offset. If packets come one at a time, they all use the
-/// same memory, which stays in the CPU caches. Pages of the area that no packet has used yet cost
-/// no memory. An area that was not used for `area_kept` heartbeats is released.
+/// Each packet is placed at the lowest free offset. If each packet is read before the next one is
+/// written, all packets use the same memory, which stays in the CPU caches. Pages of the area that
+/// no packet has used yet cost no memory. An area that was not used for `area_kept` heartbeats is
+/// released.
 namespace gecos::media {
 
 inline constexpr std::size_t largest_bulk_packet = std::size_t{32} << 20;
 /// The size of an area. This is about the number of bytes that the memory can move in one
-/// maintenance tick (10 ms). So a sender that found no room can try again at the next tick without
-/// limiting the throughput.
+/// maintenance tick (10 ms). So a sender that finds no room can wait for the next tick, and the
+/// throughput is not limited by this wait.
 inline constexpr std::size_t area_bytes = std::size_t{64} << 20;
 inline constexpr unsigned area_kept = 100;  ///< number of heartbeats: 10 s
 
@@ -88,7 +89,7 @@ class BulkWriter {
   /// Number of bytes, from the start of the area, that the kernel has backed with memory.
   std::size_t backed_ GECOS_GUARDED_BY(mutex_) = 0;
   std::vector<Held> held_ GECOS_GUARDED_BY(mutex_);  // sorted by offset
-  /// Index in held_ of the packet that place() has placed and that is not sent yet.
+  /// The index in `held_` of the packet that place() has placed and send_placed() has not sent yet.
   std::optional<std::size_t> placed_ GECOS_GUARDED_BY(mutex_);
   std::size_t placed_size_ GECOS_GUARDED_BY(mutex_) = 0;
   std::uint64_t last_packet_ GECOS_GUARDED_BY(mutex_) = 0;

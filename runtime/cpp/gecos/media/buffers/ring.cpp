@@ -41,8 +41,8 @@ class SlotFiller {
 
 /// Returns an approximation of CLOCK_BOOTTIME in milliseconds, at a cost of a few nanoseconds. All
 /// processes that have noted the last suspension of the host (suspension.hpp) get the same value. A
-/// process that has not noted it yet gets a smaller value, so that its packets look older than they
-/// are.
+/// process that has not noted this suspension yet gets a smaller value, so that its packets look
+/// older than they are.
 std::uint32_t coarse_milliseconds() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
@@ -106,7 +106,7 @@ std::uint64_t RingWriter::slots_taken() {
   if (reader == nullptr) return taken_seen_;
   const std::uint64_t taken = reader->slots_taken.load(std::memory_order_acquire);
   // A count that decreases, or that exceeds the number of written slots, is invalid. The writer
-  // ignores such a count: for the writer, the reader has then taken no further slot.
+  // ignores such a count: the writer then assumes that the reader has taken no further slot.
   if (taken <= position_ && taken > taken_seen_) taken_seen_ = taken;
   return taken_seen_;
 }

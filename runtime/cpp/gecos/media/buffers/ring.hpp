@@ -22,11 +22,11 @@ namespace gecos::media {
 /// The data that one side publishes for the other side: its progress in reading, its state and its
 /// heartbeats.
 struct RingControl {
-  /// Number of slots that this side has read. The number tells the other side, which writes the
-  /// slots, which of them are free again.
+  /// The number of slots that this side has read. From this number, the other side, which writes
+  /// the slots, knows which slots are free again.
   alignas(64) std::atomic<std::uint64_t> slots_taken{0};
-  /// Number of packets that this side has read. The other side can still read the number after the
-  /// death of this side.
+  /// The number of packets that this side has read. The other side can read this number even after
+  /// the death of this side.
   std::atomic<std::uint64_t> packets_taken{0};
   /// Nonzero while this side sleeps. The other side must then notify this side after it has
   /// published a packet. This member begins a new cache line, because the other side reads it with
@@ -44,7 +44,7 @@ struct RingControl {
   alignas(64) std::array<std::atomic<std::uint64_t>, shared_word_count> words{};
 };
 
-/// Publishes in `own` the CPU core on which the calling thread runs.
+/// Publishes in `own` the number of the CPU core on which the calling thread runs.
 inline void note_core(RingControl& own) {
   const auto core = static_cast<std::uint32_t>(running_core() + 1);
   // The other side reads this cache line with every packet. Therefore this function writes it only
@@ -53,7 +53,7 @@ inline void note_core(RingControl& own) {
     own.core.store(core, std::memory_order_relaxed);
   }
 }
-/// Publishes in `own` that the owner notifies the other side now.
+/// Publishes in `own` the current time as the time at which the owner notifies the other side.
 void note_ring(RingControl& own);
 /// Reads from `control` the core, the sleep state and the time of the last notification that a side
 /// has published there.
@@ -94,8 +94,8 @@ struct RingMemory {
 /// Size in bytes of the largest packet that is stored in a ring. The limit is small, so that a ring
 /// has room for many packets. Larger packets are stored outside the ring (bulk.hpp).
 inline constexpr std::size_t largest_ring_packet = 8 * 1024;
-/// The usual number of slots of a ring. They take 256 KiB for each direction, so that a ring stays
-/// in the level-2 cache of a core.
+/// The usual number of slots of a ring. With this number, the slots of one direction take 256 KiB,
+/// so that a ring stays in the level-2 cache of a core.
 inline constexpr std::size_t usual_slot_count = 1024;
 
 /// The place of a packet that is stored outside the ring. This struct is the payload of the

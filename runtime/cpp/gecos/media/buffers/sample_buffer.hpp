@@ -62,7 +62,8 @@ class CopyingReader : public StreamReader {
   StreamSample& unused_sample();
   std::optional<LentSample> lend() const;
 
-  /// The sample that was lent last. Its memory is used again once its borrower has let it go.
+  /// The sample that was lent last. Its memory is used again when the borrower no longer uses the
+  /// sample.
   std::shared_ptr<StreamSample> lent_;
 };
 

@@ -99,8 +99,9 @@ StreamRingWriter::StreamRingWriter(StreamMemory memory, std::shared_ptr<void> ow
     : memory_(memory), owner_(std::move(owner)) {}
 
 void StreamRingWriter::move_to(StreamMemory memory, std::shared_ptr<void> owner) {
-  // No other thread writes to the old memory but the borrower of a lent slot, and nobody reads the
-  // new memory yet. The lent slot keeps its version 0 in the new memory: it has no sample.
+  // No lock is needed here: only the borrower of a lent slot may write to the old memory meanwhile,
+  // and nobody reads the new memory yet. The lent slot keeps its version 0 in the new memory, so
+  // that it counts as empty.
   for (std::uint64_t sequence = oldest_of(memory_, newest_); sequence <= newest_; ++sequence) {
     const Word* const from = memory_.slot(sequence);
     const std::uint64_t size = from[2].load(std::memory_order_relaxed);

@@ -75,7 +75,8 @@ class StreamRingWriter : public StreamWriter {
 
  protected:
   /// Makes the writer continue in other memory of the same size, and copies the stored samples to
-  /// this memory. Memory that is lent stays with its borrower; publish_lent() copies its sample.
+  /// this memory. Memory that is lent stays with its borrower; publish_lent() then copies the
+  /// sample of the borrower.
   void move_to(StreamMemory memory, std::shared_ptr<void> owner);
 
  private:
@@ -108,9 +109,8 @@ class StreamWatch {
   /// Returns the sequence number of the newest sample. The load is sequentially consistent.
   std::uint64_t newest();
 
-  /// StreamRingReader::next() returns only samples whose sequence number is larger than this. The
-  /// other samples in the shared memory were already old when this reader subscribed; they are
-  /// there for earlier subscribers.
+  /// StreamRingReader::next() returns only samples whose sequence number is larger than this. Older
+  /// samples in the shared memory are for readers that have subscribed earlier.
   const std::uint64_t past;
   /// Sequence number of the newest sample that the reader or Connection::prepare_to_sleep() has
   /// seen. With this number, prepare_to_sleep() knows whether a newer sample has arrived.

@@ -41,7 +41,7 @@ struct SharedStream {
   std::shared_ptr<void> owner;
 };
 
-/// Both sides of a connection. The end that is destroyed last destroys the pair.
+/// Both sides of a connection. The connection end that is destroyed last also destroys this pair.
 struct SidePair {
   std::array<Side, 2> sides;
   Mutex mutex;
@@ -244,8 +244,8 @@ struct Backlog {
   EventFd event;  // drained and notified under `mutex`: readable while a client may wait
 };
 
-/// All backlogs of this process by their address. (The medium shm looks addresses up in the file
-/// system.)
+/// The backlog of each address at which this process listens. (The medium shm finds an address in
+/// the file system instead.)
 struct Backlogs {
   Mutex mutex;
   std::map<std::string, std::weak_ptr<Backlog>, std::less<>> by_address GECOS_GUARDED_BY(mutex);

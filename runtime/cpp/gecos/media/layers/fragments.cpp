@@ -107,8 +107,8 @@ class FragmentedConnection final : public ConnectionLayer {
     std::array<std::byte, Received::bytes> bytes;
     incoming_.take(piece).write(bytes);
     const MutexLock lock(mutex_);
-    // The result of send() does not matter: if this acknowledgement is lost, the peer sends the
-    // piece again.
+    // The result of send() is ignored, because the peer sends the piece again if this
+    // acknowledgement is lost.
     static_cast<void>(inner().send(bytes, {}));
   }
 
@@ -125,9 +125,9 @@ class FragmentedConnection final : public ConnectionLayer {
   const Clock& clock_;
   IncomingTransfers incoming_;  // used by the receiving thread only
   Bytes current_;               // used by the receiving thread only
-  /// This mutex is also held while inner() sends a packet, or makes or shares a stream. inner()
-  /// allows only one thread at a time to do this, but in this layer the receiving thread and the
-  /// maintenance thread also send packets.
+  /// This mutex is also held while inner() sends a packet, or makes or shares a stream. Only one
+  /// thread at a time may call these functions of inner(), but in this layer the receiving thread
+  /// and the maintenance thread also send packets.
   Mutex mutex_;
   /// The transfer of the large packet that is being sent now, or that was sent last.
   std::optional<OutgoingTransfer> transfer_ GECOS_GUARDED_BY(mutex_);

@@ -18,10 +18,10 @@
 namespace gecos::media {
 namespace {
 
-/// The number of ports on which the connections of one process receive. If there are few
-/// connections, each has a port of its own, and a packet wakes only the thread that waits for it.
-/// If there are many, they share ports, so that the process needs neither a socket nor a system
-/// call for each connection.
+/// The number of ports on which the connections of one process receive. If the process has few
+/// connections, each connection has a port of its own, and a packet wakes only the thread that
+/// waits for this packet. If the process has many connections, they share ports, so that the
+/// process needs neither a socket nor a system call for each connection.
 constexpr std::size_t reply_ports = 8;
 
 /// Opens the UDP ports of a multicast group.

@@ -32,8 +32,8 @@ std::optional<MediumError> no_group(const std::string& group) {
                      LcmOptions{}.group};
 }
 
-/// Returns an error when no packet can be sent to `port` of the group; otherwise nullopt. LCM also
-/// checks this, but writes fifteen lines to stderr each time.
+/// Returns an error when no packet can be sent to `port` of the group; otherwise nullopt. This
+/// check comes before the check of LCM itself, which writes fifteen lines to stderr each time.
 std::optional<MediumError> no_route(const LcmOptions& options, std::uint16_t port) {
   sockaddr_in place{};
   place.sin_family = AF_INET;

@@ -195,7 +195,7 @@ void SealedClient::woke() {
 
 void SealedClient::pump() {
   // Unread datagrams keep LCM's descriptor readable, but an edge-triggered poller gets no new event
-  // for them. Therefore this function notifies the eventfd.
+  // for them. Therefore this function notifies the eventfd of the connection.
   if (in_->pump()) queue_->event().notify();
   initiator_->advance();
   for (const auto& notice : queue_->notices()) {
@@ -220,8 +220,8 @@ void SealedClient::take_share(const SharedStream& where, std::uint64_t number) {
     if (std::exchange(arrived.number, number) != number) take_key(where);
   }
   heard_of_streams_ = true;
-  // If the peer announces a stream that is open here already, the peer did not receive our Opened
-  // message, or the stream has a new key.
+  // If the stream is open here already, the peer announces the stream again for one of two reasons:
+  // the peer did not receive our Opened message, or the stream has a new key.
   if (arrived.opened) say(InnerKind::Opened, arrived.number);
 }
 
@@ -267,8 +267,8 @@ void SealedClient::forget_closed_readers() {
     return true;
   });
   for (const int port : closed) {
-    // If no other stream of this connection uses the port, the port must no longer wake this
-    // connection: another connection may keep the port open and receive samples on it.
+    // Removes the port from the epoll set when no other stream of this connection uses the port.
+    // Otherwise, samples for another connection that uses the port would wake this connection.
     const bool read = std::any_of(reading_.begin(), reading_.end(),
                                   [&](const Reading& one) { return one.port == port; });
     if (!read) ::epoll_ctl(streams_.get(), EPOLL_CTL_DEL, port, nullptr);
@@ -423,8 +423,8 @@ void SealedServer::take_share(const InwardShare& where) {
   if (inward_.size() >= most_streams && !inward_.contains(where.id)) return;
   Inward& inward = inward_[where.id];
   inward.where = where;
-  // If the peer announces a stream that is open here already, the peer did not receive our Opened
-  // message.
+  // If the stream is open here already, the peer announces the stream again because the peer did
+  // not receive our Opened message.
   if (inward.opened) say(InnerKind::Opened, where.id);
 }
 
@@ -459,11 +459,12 @@ std::function<std::string()> SealedServer::later_refusal() {
     const auto owner = keys->directory.owner(key);
     if (!owner) return {};  // the next call finds out
     if (owner->value_or(crypto::KeyOwner{}) == owner_then) return {};
-    return "the owner of the key " + key.short_name() + " has changed since its client connected";
+    return "the owner of the key " + key.short_name() + " has changed since the client connected";
   };
 }
 
-/// Makes a stream like those of the acceptor: it can have many readers, and so also a single one.
+/// Makes a stream like those of the acceptor, which can have many readers. Here it has a single
+/// reader.
 std::unique_ptr<StreamWriter> SealedServer::make_stream(std::size_t largest, std::size_t depth) {
   return responder_->make_stream(largest, depth);
 }

@@ -24,8 +24,8 @@ namespace gecos::media {
 /// Returns the client that has proved a key. The owner of the key comes from the key directory.
 Peer peer_of(const HandshakeResponder::PendingPeer& pending, const HandshakeResponder& responder);
 
-/// The part that the connections of a client and of a server have in common: sends packets, and
-/// takes received packets from the queue.
+/// The part of a connection that clients and servers have in common: sends packets, and takes
+/// received packets from the queue.
 class SealedConnection : public Connection {
  public:
   const Capabilities& capabilities() const override { return options_.network->capabilities(); }
@@ -45,7 +45,7 @@ class SealedConnection : public Connection {
   SealedConnection(std::shared_ptr<ReceiveQueue> queue, std::shared_ptr<SealedSender> sender,
                    const SealedOptions& options, Peer peer);
 
-  /// Reads the datagrams that have arrived into the queue, and handles messages that are not
+  /// Moves the datagrams that have arrived into the queue, and handles messages that are not
   /// packets.
   virtual void pump() = 0;
   void say(InnerKind kind, std::uint64_t number = 0, ByteView body = {});
@@ -117,9 +117,9 @@ class SealedClient final : public SealedConnection {
   const std::shared_ptr<HandshakeInitiator> initiator_;
   const Descriptor streams_;  // an epoll of the ports of streams; these ports open later
   const std::array<int, 3> descriptors_;
-  /// Whether a stream was announced since the last call of open_stream(). Another thread may have
-  /// read the announcement, so that a thread must check this flag before it sleeps. This atomic
-  /// orders no other memory.
+  /// Whether the peer has announced a stream since the last call of open_stream(). A thread must
+  /// check this flag before it sleeps, because another thread may have read the announcement. This
+  /// atomic orders no other memory.
   std::atomic<bool> heard_of_streams_{false};
   Mutex mutex_;
   std::map<std::uint32_t, Arrived> arrived_ GECOS_GUARDED_BY(mutex_);

@@ -82,7 +82,7 @@ inline constexpr std::size_t stamp_bytes = 8;  ///< size of the time stamp in fr
 /// The number of bytes that a datagram has in addition to its packet.
 inline constexpr std::size_t packet_overhead =
     DatagramHeader::bytes + crypto::Sealer::overhead + InnerHeader::bytes;
-/// The number of bytes that a datagram has in addition to its sample.
+/// The number of bytes that a datagram of a stream has in addition to its sample.
 inline constexpr std::size_t sample_overhead =
     DatagramHeader::bytes + crypto::StreamSealer::overhead + stamp_bytes;
 
@@ -130,8 +130,8 @@ struct SealedAddress {
 };
 
 /// Returns the context of a handshake: the name and version of the medium, the address without its
-/// key, and the plaintext header of the first message. Both sides know the context, so that it is
-/// not sent.
+/// key, and the plaintext header of the first message. The context is not sent, because both sides
+/// know it.
 Bytes handshake_context(const SealedAddress& address, ByteView first_header);
 
 }  // namespace gecos::media

@@ -110,9 +110,10 @@ std::string HandshakeInitiator::trouble() const {
   }
   return "no server answers, or the server does not admit our key " +
          keys_->own.public_key().short_name() +
-         "; in that case the user of the server gets a copy of " + keys_->directory.path() + "/" +
-         keys_->own.public_key().to_string() + ".public and runs `gecos keys add FILE " +
-         user_name(::geteuid()) + "@" + host_name() + "` with it" + options_.network->advice();
+         "; if the key is the problem, the user of the server gets a copy of " +
+         keys_->directory.path() + "/" + keys_->own.public_key().to_string() +
+         ".public and runs `gecos keys add FILE " + user_name(::geteuid()) + "@" + host_name() +
+         "` with it" + options_.network->advice();
 }
 
 }  // namespace gecos::media

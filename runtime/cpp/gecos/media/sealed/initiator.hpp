@@ -14,10 +14,10 @@
 
 namespace gecos::media {
 
-/// Opens the channel of a client. First it asks for the server's key, if the address has no key.
-/// Then it repeats the first handshake message until the server answers. Then it repeats a
-/// heartbeat until the first sealed packet of the server arrives. It never waits; the owner of the
-/// connection must call advance() often. Any thread may use it.
+/// Opens the channel of a client. First the initiator asks for the server's key, if the address has
+/// no key. Then it repeats the first handshake message until the server answers. Then it repeats a
+/// heartbeat until the first sealed packet of the server arrives. No function waits, so the owner
+/// of the connection must call advance() often. Any thread may use a HandshakeInitiator.
 class HandshakeInitiator {
  public:
   /// After this time without an answer, the handshake starts again, because the server has then

@@ -21,8 +21,8 @@ class InwardStream {
   InwardStream(std::shared_ptr<SealedSender> sender, const SealedOptions& options,
                std::size_t largest, std::size_t depth);
 
-  /// From now on, this stream is shared under the number `id`. Returns the announcement that the
-  /// server must receive.
+  /// Shares this stream under the number `id` from now on. Returns the announcement that the server
+  /// must receive.
   InwardShare shared_as(std::uint32_t id);
   std::size_t largest() const { return largest_; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);

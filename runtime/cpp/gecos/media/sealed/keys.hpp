@@ -9,7 +9,8 @@
 namespace gecos::media {
 
 /// The key of the user of this program, and the keys that the user admits. The connections of a
-/// medium share this object, which may live longer than the medium. Any thread may use it.
+/// medium share this object, and the object may live longer than the medium. Any thread may use
+/// this object.
 struct SealedKeys {
   crypto::KeyDirectory directory;
   crypto::Identity own;

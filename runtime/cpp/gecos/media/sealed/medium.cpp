@@ -64,7 +64,7 @@ class Claim {
 
 class SealedAcceptor final : public Acceptor {
  public:
-  /// `claim` is null if the address is not well-known.
+  /// `claim` holds the reservation of a well-known address; null for any other address.
   SealedAcceptor(std::shared_ptr<HandshakeResponder> responder, std::unique_ptr<Claim> claim)
       : claim_(std::move(claim)),
         responder_(std::move(responder)),
@@ -108,9 +108,9 @@ class SealedAcceptor final : public Acceptor {
   }
 
  private:
-  /// Returns why the client `pending` is not admitted; an empty text if it is. The decision depends
-  /// on the key that the client has proved, and on its owner. The key of this program's user is
-  /// always admitted.
+  /// Returns why the client `pending` is not admitted; an empty text if `pending` is admitted. The
+  /// decision depends on the key that the client has proved, and on its owner. The key of this
+  /// program's user is always admitted.
   std::string why_not(const HandshakeResponder::PendingPeer& pending) const {
     if (!admit_ || pending.key == responder_->keys()->own.public_key()) return "";
     return admit_(peer_of(pending, *responder_));
@@ -174,7 +174,8 @@ class Sealed final : public Medium {
             channel_of_name(name), std::nullopt};
   }
 
-  /// Returns the keys. Opens them on first use, because most programs never need them.
+  /// Returns the keys of this program's user. Opens the key directory at the first call, because
+  /// most programs never need the keys.
   tl::expected<std::shared_ptr<const SealedKeys>, MediumError> keys() {
     const MutexLock lock(mutex_);
     if (keys_ == nullptr) {

@@ -15,9 +15,9 @@
 /// the packets.
 ///
 /// The medium provides ports that send and receive datagrams. Datagrams may be lost, repeated and
-/// reordered. Anybody may read the datagrams and send forged datagrams. The code in this folder
-/// implements the rest once for all such media: the proof of keys, the encryption, connections and
-/// streams. docs/protocol.md is normative for the bytes of the datagrams.
+/// reordered. Anybody may read the datagrams and send forged datagrams. For all of these media, the
+/// code in this folder implements the proof of keys, the encryption, connections and streams.
+/// docs/protocol.md is normative for the bytes of the datagrams.
 namespace gecos::media {
 
 /// One numbered port of a network. It sends datagrams to channels, and receives the datagrams of
@@ -46,7 +46,7 @@ class DatagramPort {
   virtual bool publish(const std::string& channel, ByteView datagram) = 0;
 };
 
-/// Opens the ports of one network. Any thread may use it.
+/// Opens the ports of one network. Any thread may use a DatagramNetwork.
 class DatagramNetwork {
  public:
   virtual ~DatagramNetwork() = default;
@@ -68,7 +68,8 @@ class DatagramNetwork {
   /// Returns the number of the port on which a new connection is to receive; the caller passes the
   /// number to shared(). If a network returns a number again, several connections share the port.
   virtual std::uint16_t draw_reply_port() const = 0;
-  /// Returns the network whose name in addresses is `name`. This is usually the network itself.
+  /// Returns the network whose name in addresses is `name`. This is this object itself if `name` is
+  /// the name of this network.
   virtual std::shared_ptr<const DatagramNetwork> named(const std::string& name) const = 0;
   /// Returns a text for the user when no server answers. The text says why packets may not arrive.
   /// It may be empty.
@@ -79,7 +80,7 @@ struct SealedOptions {
   std::shared_ptr<const DatagramNetwork> network{};
   std::uint16_t well_known_port = 0;  ///< the port of all well-known addresses
   std::uint16_t open_port = 0;        ///< the port of all open channels; 0: there are none
-  /// The path of the key directory, which is opened on first use. If the path is empty,
+  /// The path of the key directory. The directory is opened at its first use. If the path is empty,
   /// crypto::KeyDirectory::default_path() is used.
   std::string key_directory{};
   crypto::RekeyRule rekey{};
@@ -87,8 +88,8 @@ struct SealedOptions {
   /// used. The clock must outlive the medium and its connections.
   const Clock* clock = nullptr;
 
-  /// Returns the time by CLOCK_BOOTTIME. So the age of a packet that waits in a socket includes the
-  /// time in which the machine was suspended.
+  /// Returns the time by CLOCK_BOOTTIME. With this clock, the age of a packet that waits in a
+  /// socket includes the time in which the machine was suspended.
   TimePoint now() const {
     return clock != nullptr ? clock->since_boot() : SystemClock().since_boot();
   }

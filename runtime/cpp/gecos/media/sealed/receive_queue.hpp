@@ -76,7 +76,8 @@ class ReceiveQueue final : public Sleeper {
   /// `pop` again.
   std::uint64_t beats_read() const { return beats_read_.load(std::memory_order_relaxed); }
   bool closed() const { return closed_.load(std::memory_order_acquire); }
-  /// Returns why the server has refused this client; an empty text when it has not.
+  /// Returns why the server has refused this client. The text is empty while the server has not
+  /// refused the client.
   std::string refusal();
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 

@@ -73,7 +73,7 @@ void HandshakeResponder::take_first(const DatagramHeader& header, ByteView datag
       const auto admitted = keys_->directory.admission(*refused.who);
       log_warning(address_.medium,
                   address_.place() + " refused a client: " +
-                      (admitted ? "its key was not admitted then, but is admitted now"
+                      (admitted ? "the key of the client was not admitted then, but is admitted now"
                                 : admitted.error().text));
     }
     return;
@@ -138,8 +138,8 @@ std::optional<crypto::KeyOwner> HandshakeResponder::owner_of(const crypto::Publi
   const auto owner = keys_->directory.owner(key);
   if (!owner) return std::nullopt;
   // The key may have been removed since the handshake. The file of a key is removed before the file
-  // of the key's owner. If the key is still admitted now, the file of its owner had therefore not
-  // been removed when it was read above.
+  // of the key's owner. Therefore, if the key is still admitted now, the owner that was read above
+  // is valid.
   if (!keys_->directory.is_admitted(key)) return std::nullopt;
   return owner->value_or(crypto::KeyOwner{});
 }
@@ -147,8 +147,8 @@ std::optional<crypto::KeyOwner> HandshakeResponder::owner_of(const crypto::Publi
 void HandshakeResponder::answer(const DatagramHeader& to, DatagramKind kind, ByteView frame,
                                 TimePoint now) {
   if (!answers_.take(now)) return;
-  // Unless other clients use the port, it is opened for this answer only: a client that has not
-  // proved its keys must not occupy resources here.
+  // The port of the client is opened for this answer only, unless other clients use the port,
+  // because a client that has not proved its keys must not occupy resources here.
   auto out = options_.network->shared(to.reply_port);
   if (!out) {
     if (warnings_.take(now))
@@ -198,7 +198,8 @@ std::optional<HandshakeResponder::RefusedPeer> HandshakeResponder::RefusedPeers:
   return *found;
 }
 
-/// Opens the port of the client for this datagram only: a refused client occupies no descriptor.
+/// The port of the client is opened for this datagram only, so that a refused client occupies no
+/// descriptor.
 void HandshakeResponder::tell(const RefusedPeer& refused) const {
   const auto out = options_.network->shared(refused.reply_port);
   if (out) (*out)->publish(channel_name("GC", refused.client), *refused.datagram);

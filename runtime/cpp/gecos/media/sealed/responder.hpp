@@ -20,8 +20,8 @@ namespace gecos::media {
 
 /// The part that the acceptor of an object shares with its connections: the port that receives the
 /// datagrams of all clients, and the handshake. A client counts as connected after one of its
-/// sealed packets was decrypted. A replayed handshake never leads to a decrypted packet. Therefore
-/// it cannot take the place of a client, and it occupies no descriptor.
+/// sealed packets was decrypted. A replayed handshake never leads to a decrypted packet, so that an
+/// attacker with a replay cannot take the place of a client and occupies no descriptor.
 class HandshakeResponder {
  public:
   /// A client that has connected and that the acceptor has not accepted yet.
@@ -42,8 +42,9 @@ class HandshakeResponder {
   bool pump() { return in_->pump(); }
   std::optional<PendingPeer> next_pending();
   void forget(std::uint64_t client);
-  /// Tells a client that it is refused, and why. Repeats this for each datagram that the client
-  /// sends in the next seconds, because a datagram may be lost. Keeps no port open meanwhile.
+  /// Tells a client that it is refused, and why. A datagram may be lost; therefore the answer is
+  /// repeated for each datagram that the client sends in the next seconds. Meanwhile, no port is
+  /// kept open for the client.
   void refuse(PendingPeer client, const std::string& why);
   /// Makes a stream for all clients of the object. Throws std::runtime_error when the port of the
   /// stream cannot be opened. Any thread may call this function.
@@ -87,7 +88,8 @@ class HandshakeResponder {
   class RefusedPeers {
    public:
     void add(RefusedPeer peer);
-    /// Returns `client` if it was refused a moment ago and is to be told again.
+    /// If `client` was refused in the last seconds and must be told so again, returns the data of
+    /// its refusal; otherwise no value.
     std::optional<RefusedPeer> again(std::uint64_t client, TimePoint now);
 
    private:

@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t inner_at = DatagramHeader::bytes + crypto::Sealer::text_at;
 constexpr std::size_t body_at = inner_at + InnerHeader::bytes;
 
-/// Writes into `memory` what seal() encrypts.
+/// Writes into `memory` the plaintext that seal() then encrypts.
 void write(const DatagramHeader& header, InnerHeader what, ByteView head, ByteView body,
            Bytes& memory) {
   memory.resize(body_at + head.size() + body.size() + crypto::tag_bytes);

@@ -17,7 +17,7 @@ namespace gecos::media {
 Bytes sealed_datagram(crypto::Sealer& sealer, std::uint64_t client, InnerHeader what,
                       ByteView body);
 
-/// Encrypts and sends the messages of one end of a connection. Any thread may use it.
+/// Encrypts and sends the messages of one end of a connection. Any thread may use a SealedSender.
 class SealedSender {
  public:
   /// The limits for packets that are sent before the channel is open. Such packets are held until

@@ -17,8 +17,8 @@ class SendersClock {
  public:
   /// The assumed maximum drift between two clocks is one part in this number.
   static constexpr std::int64_t drift = 2000;
-  /// The assumed maximum difference between two clocks: 73 years. Differences to the times of a
-  /// peer are limited to this range.
+  /// The assumed maximum difference between two clocks, which is 73 years. A larger difference to
+  /// the time stamp of a peer is reduced to this maximum.
   static constexpr Duration longest{std::int64_t{1} << 61};
 
   /// Returns the age of a packet that has the time stamp `sent_ns` and was read at the time `now`.
@@ -36,9 +36,10 @@ class SendersClock {
     return took - *least_ - (now - since_) / drift;
   }
 
-  /// Returns our clock minus the sender's clock, plus the shortest transit time of a packet. This
-  /// is the smallest difference between the arrival time and the send time of a packet in the last
-  /// five to ten minutes. In this period the clocks drift apart by less than the delay of a packet.
+  /// Returns the time of our clock minus the time of the sender's clock, plus the shortest transit
+  /// time of a packet. The result is the smallest difference between the arrival time and the send
+  /// time of a packet in the last five to ten minutes. In this period, the clocks drift apart by
+  /// less than the delay of a packet.
   std::optional<Duration> difference() const {
     return before_ && smallest_ ? std::min(before_, smallest_) : smallest_;
   }

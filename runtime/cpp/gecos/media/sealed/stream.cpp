@@ -110,8 +110,8 @@ bool SampleQueue::anything_new() {
 
 tl::expected<std::unique_ptr<SealedStreamReader>, MediumError> SealedStreamReader::open(
     const std::shared_ptr<SampleQueue>& queue, DatagramPort& port, const std::string& channel) {
-  // The queue holds the port, and the port owns the callback. A weak pointer to the queue avoids a
-  // cycle.
+  // The queue holds the port, and the port owns the callback. The callback has only a weak pointer
+  // to the queue, so that there is no cycle.
   const auto subscription =
       port.subscribe(channel, [weak = std::weak_ptr(queue)](ByteView datagram) {
         if (const auto to = weak.lock()) to->take(datagram);

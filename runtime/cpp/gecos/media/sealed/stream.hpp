@@ -89,8 +89,8 @@ class SampleQueue {
 
 class SealedStreamReader final : public CopyingReader {
  public:
-  /// Makes `port` put the samples of `channel` into `queue`, as long as the reader exists.
-  /// @pre `queue` holds `port`.
+  /// Makes `port` store the samples of `channel` in `queue`, as long as the reader exists. @pre
+  /// `queue` holds `port`.
   static tl::expected<std::unique_ptr<SealedStreamReader>, MediumError> open(
       const std::shared_ptr<SampleQueue>& queue, DatagramPort& port, const std::string& channel);
   ~SealedStreamReader() override { port_.unsubscribe(subscription_); }
@@ -114,8 +114,8 @@ class SealedStreamReader final : public CopyingReader {
 /// Returns the name of a channel: `prefix` and the number in 16 hex digits, for example
 /// "GS0123456789abcdef".
 std::string channel_name(std::string_view prefix, std::uint64_t number);
-/// Returns a random number that is not 0. It is almost certain that no other program has drawn the
-/// same number.
+/// Returns a random number that is not 0. The probability that another program draws the same
+/// number is negligible.
 std::uint64_t draw_number();
 /// Returns a random port number from 20000 to 32000. These numbers are below the range of ephemeral
 /// ports, and two programs rarely draw the same number.

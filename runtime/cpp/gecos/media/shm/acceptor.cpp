@@ -289,7 +289,7 @@ std::string ShmAcceptor::why_not(const Peer& peer) const {
 }
 
 /// Refuses a waiting client when the process has no descriptor left. Returns false when no client
-/// was waiting, or when another thread took the spare descriptor meanwhile.
+/// was waiting, or when another thread took the descriptor that was freed for this purpose.
 bool ShmAcceptor::turn_away() {
   // The client must be accepted in order to be refused. If it stayed in the backlog, the listener
   // would stay readable and keep this thread awake.
@@ -303,7 +303,9 @@ bool ShmAcceptor::turn_away() {
 }
 
 void ShmAcceptor::log_turned_away() const {
-  log_warning("shm", path_ + " refused a client: no file descriptors left, raise `ulimit -n`");
+  log_warning(
+      "shm",
+      path_ + " refused a client: this process has no file descriptors left; raise `ulimit -n`");
 }
 
 std::unique_ptr<Connection> ShmAcceptor::hear(std::size_t index) {

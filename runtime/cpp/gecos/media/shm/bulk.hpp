@@ -13,8 +13,8 @@ namespace gecos::media::shm {
 /// descriptor is sent over the socket before the first packet in the area is announced.
 class ShmBulk final : private AreaMaker {
  public:
-  /// `look` must read the messages on the socket; if another thread is reading them, it must wait
-  /// until that thread has finished.
+  /// `look` must read the messages on the socket. If another thread is reading the messages, `look`
+  /// must wait until that thread has finished.
   ShmBulk(int socket, RingWriter& ring, std::function<void()> look)
       : out(ring, *this), in(std::move(look)), socket_(socket) {}
 

@@ -68,7 +68,8 @@ tl::expected<std::unique_ptr<Connection>, MediumError> ShmConnection::greet(Desc
   if (!made) return tl::unexpected(MediumError{"shm: " + made.error()});
   auto connection = std::move(*made);
   const std::array given{connection->own_memory_.memfd.get(), connection->event_.descriptor()};
-  // A server that refuses the client may have closed the socket already. Then loss() reads why.
+  // If the server has refused the client, it may have closed the socket already. loss() then reads
+  // the reason.
   if (!send_control(connection->other_->socket(), {.type = ControlType::Hello}, given) &&
       connection->loss() == Loss::None) {
     return tl::unexpected(MediumError{"shm: the server closed the connection at once"});
@@ -154,8 +155,8 @@ std::optional<ByteView> ShmConnection::receive() {
 }
 
 std::optional<std::uint64_t> ShmConnection::taken_by_peer() {
-  // A server reads no packet before it has answered. Therefore a server that died without an answer
-  // has read no packet.
+  // A server sends its Welcome message before it reads a packet. Therefore a server that died
+  // without this message has read no packet.
   if (!other_->known()) read_control();
   return writer_.taken();
 }
@@ -292,8 +293,8 @@ void ShmConnection::read_control() {
       note_loss(Loss::Broken, "the peer sent a message of another format or version");
     }
   }
-  // The death of the peer counts only when no message is left. A peer that sent Bye before its end
-  // has closed the connection, and has not died.
+  // The death of the peer counts only when all its messages have been read. A peer that sent Bye
+  // before its end has closed the connection, and has not died.
   if (watched[1].revents != 0 && read == ControlRead::Nothing) {
     note_loss(Loss::Died, peer_.description + " has ended");
   }

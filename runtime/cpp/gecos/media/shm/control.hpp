@@ -10,7 +10,7 @@
 #include "gecos/media/medium.hpp"
 
 /// The messages on the Unix socket of a connection. They carry file descriptors and announce rare
-/// events. Packets do not use the socket, but the rings.
+/// events. Packets go through the rings, not through the socket.
 namespace gecos::media::shm {
 
 enum class ControlType : std::uint32_t {
@@ -25,8 +25,8 @@ enum class ControlType : std::uint32_t {
   Refuse,     ///< server: does not admit the client; `text` says why
 };
 
-/// A message on the socket. Both ends run on one kernel, so that the struct is sent as it is in
-/// memory.
+/// A message on the socket. The struct is sent as it is in memory, because both ends run on one
+/// kernel.
 struct ControlMessage {
   static constexpr std::uint32_t this_version = 0x67630003;
   std::uint32_t version =
@@ -63,14 +63,14 @@ bool send_control(int socket, const ControlMessage& message, std::span<const int
 ControlRead receive_control(int socket, ReceivedControl& into);
 
 /// Returns the peer of a connected socket, as the kernel reports it. Fails for a peer in another
-/// user namespace or process namespace, whose ids the kernel cannot report here.
+/// user namespace or process namespace, because the kernel cannot report the ids of this peer here.
 tl::expected<Peer, std::string> peer_of(int socket);
 /// Returns a descriptor that becomes readable when the process at the other end dies. Fails when
 /// that process has died already. Returns an empty Descriptor when the kernel does not support such
 /// descriptors.
 tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid);
-/// Returns whether `descriptor` is an eventfd. This must be checked before a write, because a write
-/// to another kind of file may run code of the peer.
+/// Returns whether `descriptor` is an eventfd. Must be called before a write to a descriptor of the
+/// peer, because a write to another kind of file may run code of the peer.
 bool is_event_fd(int descriptor);
 
 }  // namespace gecos::media::shm

@@ -16,8 +16,8 @@ class ControlQueue {
     ControlMessage message;
     std::shared_ptr<SealedMemory> memory;  ///< owns the descriptor until it is sent; may be null
   };
-  /// The caller owns `socket`. After it has closed `socket`, it must not call any function of this
-  /// object.
+  /// The caller owns `socket`. After the caller has closed `socket`, it must not call any function
+  /// of this object.
   explicit ControlQueue(int socket) : socket_(socket) {}
 
   /// Sends a message now or in a later call of `flush`. Returns false and drops the message when

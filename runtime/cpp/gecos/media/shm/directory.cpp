@@ -74,8 +74,8 @@ std::optional<std::uint32_t> user_gecos() {
 }
 
 /// Returns whether `directory` is a folder of the user `uid` that all users can reach, in a
-/// directory that an administrator made for all users. /tmp is not such a directory: every system
-/// has it.
+/// directory that an administrator made for all users. /tmp does not count, because every system
+/// has /tmp.
 bool open_to_all(const std::string& directory, std::uint32_t uid) {
   const std::string parent = parent_of(directory);
   return parent != "/tmp" && directory == folder_of(uid, parent) && shared_between_users(parent);
@@ -147,8 +147,8 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory) 
     return error("other users may write to " + directory +
                  " and could listen in; run:  chmod go-w " + directory);
   }
-  // An earlier version of this program, or the umask, may have made the folder without access for
-  // other users.
+  // The folder may have been made without access for other users, by an earlier version of this
+  // program or because of the umask.
   if (for_all && (found.st_mode & 0777) != 0711 && ::chmod(directory.c_str(), 0711) != 0) {
     return error("cannot open " + directory + " to the users of this host: " + system_text(errno));
   }

@@ -28,8 +28,8 @@ tl::expected<SealedMemory, MediumError> make_sealed(const char* name, std::size_
   if (::ftruncate(memory.memfd.get(), static_cast<off_t>(size)) != 0) return failed("ftruncate");
   memory.mapping = Mapping::shared(memory.memfd.get(), size, true);
   if (!memory.mapping) return failed("mmap");
-  // The memory is sealed after this process has mapped it: F_SEAL_FUTURE_WRITE does not affect
-  // existing mappings.
+  // The memory is sealed after this process has mapped it, because F_SEAL_FUTURE_WRITE forbids only
+  // later mappings for writing.
   if (::fcntl(memory.memfd.get(), F_ADD_SEALS, seals) != 0) return failed("sealing");
   return memory;
 }

@@ -9,14 +9,14 @@
 
 namespace gecos::media::shm {
 
-/// Shared memory that this process writes and other processes can map only for reading. It has no
-/// name in the file system.
+/// Shared memory that this process writes and other processes can map only for reading. The memory
+/// has no name in the file system.
 struct SealedMemory {
   Descriptor memfd;
   Mapping mapping;
 };
 
-/// Makes zeroed shared memory. Its size is fixed, and no other process can map it for writing.
+/// Makes zeroed shared memory of a fixed size. No other process can map this memory for writing.
 tl::expected<SealedMemory, MediumError> make_sealed(const char* name, std::size_t size);
 
 /// Maps memory of a peer for reading. Refuses memory that has another size or no seals, because a

@@ -19,7 +19,7 @@ void PeerEnd::wake() {
   if (known() && event_) {
     notify_event_fd(event_.get());
   } else {
-    // Sending fails when the socket is full. In that case the messages in the socket wake the peer.
+    // Sending fails when the socket is full. The messages that fill the socket then wake the peer.
     send_control(socket_.get(), ControlMessage{.type = ControlType::Notify});
   }
 }

@@ -25,7 +25,7 @@ class PeerEnd final : public Sleeper {
   RingMemory ring() const { return RingMemory::at(mapping_.data(), usual_slot_count); }
   void wake();
   void wake_if_asleep() override;
-  /// Shuts the socket down. So the peer sees the end of the connection even if a stream still
+  /// Shuts the socket down. The peer then sees the end of the connection even if a stream still
   /// refers to this object.
   void hang_up();
   void forget();

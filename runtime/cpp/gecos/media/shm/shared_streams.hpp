@@ -36,7 +36,7 @@ class SharedStreams {
   void unshare(std::uint32_t id, PeerEnd& reader, ControlQueue& to);
   /// Sends the peer the memory of each stream that has moved to other memory.
   void follow_moves(ControlQueue& to);
-  /// Ensures that no stream wakes `reader` any more.
+  /// Removes `reader` from all streams, so that no stream wakes it any more.
   void forget(PeerEnd& reader);
 
   // The following functions are for streams that the peer publishes.
@@ -47,7 +47,7 @@ class SharedStreams {
   /// streams.
   bool not_received(std::uint32_t id, std::string why);
   void withdrawn(std::uint32_t id);
-  /// Opens the stream `id`. Returns null when the peer does not share it.
+  /// Opens the stream `id`. Returns null when the peer does not share this stream.
   std::unique_ptr<StreamReader> open(std::uint32_t id, StreamWatches& watches);
   /// Returns a text that says why the stream `id` cannot be opened. The text is empty when the peer
   /// has not shared the stream yet.

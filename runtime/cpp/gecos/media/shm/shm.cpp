@@ -68,7 +68,7 @@ class Shm final : public Medium {
   std::string no_server(std::string_view address) const {
     const bool ours = address.starts_with(std::string(prefix) + options_.directory + "/");
     if (!ours) return "no server listens at this address";
-    return "no server listens at this address (the directory is for uid " +
+    return "no server listens at this address (this directory is for the servers of uid " +
            std::to_string(::geteuid()) +
            " alone; programs of other users are reached by GECOS_BROKER=lcm)";
   }

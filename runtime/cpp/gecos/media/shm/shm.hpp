@@ -15,9 +15,9 @@
 /// descriptors: its eventfd, the socket, and the pidfd of the peer.
 ///
 /// The peer is not trusted: it cannot write our memory, delay our threads or use up our
-/// descriptors. A hostile process that has an eventfd can block a writer of it. Therefore only a
-/// peer of the same user, who could kill this process anyway, is notified through its eventfd.
-/// Other peers are notified through the socket, which takes a microsecond longer.
+/// descriptors. A hostile process can block every process that writes to its eventfd. Therefore
+/// only a peer of the same user is notified through its eventfd, because this user could also kill
+/// this process. Other peers are notified through the socket, which takes a microsecond longer.
 namespace gecos::media {
 
 struct ShmOptions {

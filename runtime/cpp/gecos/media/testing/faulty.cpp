@@ -20,8 +20,8 @@ Capabilities capabilities_of(const Medium& inner, const Faults& faults) {
   Capabilities capabilities = inner.capabilities();
   const bool whole = faults.loss == 0 && faults.duplication == 0 && faults.corruption == 0;
   capabilities.reliable = capabilities.reliable && whole && faults.cut == nullptr;
-  // Cutting a connection does not stop writes to shared words, so that a connection that may be cut
-  // must not offer them.
+  // Cutting a connection does not stop writes to shared words. Therefore a connection that may be
+  // cut must not offer shared words.
   capabilities.shared_words = capabilities.shared_words && capabilities.reliable;
   capabilities.ordered = capabilities.ordered && faults.reordering == 0;
   capabilities.intact = capabilities.intact && faults.corruption == 0;

@@ -19,8 +19,8 @@ struct Faults {
   double reordering = 0;  ///< rate of packets that are held back, so that later ones arrive first
   Duration reordering_delay = std::chrono::milliseconds(2);
   Duration delay{};  ///< added to every packet; a satellite takes 250 ms
-  /// Nanoseconds that are added to `delay`, also while the program runs. The pointer may be null,
-  /// and the caller owns the number.
+  /// A number of nanoseconds that is added to `delay`. A test may change the number while the
+  /// program runs. The pointer may be null, and the caller owns the number.
   const std::atomic<Duration::rep>* more_delay = nullptr;
   /// While this flag is true, neither packets nor heartbeats arrive. The pointer may be null, and
   /// the caller owns the flag.
