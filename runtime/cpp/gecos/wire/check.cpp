@@ -9,8 +9,8 @@ namespace gecos::wire {
 
 namespace {
 
-/// Returns the number at the beginning of `text`, for example 0.01 for "0.01". gidl printed the
-/// text.
+/// Returns the number at the beginning of `text`, for example 0.01 for "0.01". The text comes from
+/// gidl, so it always begins with a number.
 double bound_of(std::string_view text) {
   double bound = 0;
   std::from_chars(text.data(), text.data() + text.size(), bound);

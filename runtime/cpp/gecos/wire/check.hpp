@@ -30,15 +30,16 @@ RefusedNumber refused_number(T number) {
   }
 }
 
-/// The text "110 is outside [-2.0, 2.0] rad; is the value in degrees?", or "…; give at most 2.0
-/// rad".
+/// Returns an error text such as "110 is outside [-2.0, 2.0] rad; is the value in degrees?" or "3
+/// is outside [-2.0, 2.0] rad; give at most 2.0 rad".
 std::string outside_limits(RefusedNumber number, std::string_view limits);
 
-/// The text "7 is no Speed; give one of SLOW, FAST", for `known` "no Speed; give one of SLOW,
-/// FAST".
+/// Returns an error text such as "7 is no Speed; give one of SLOW, FAST". In this example, `known`
+/// is "no Speed; give one of SLOW, FAST".
 std::string none_of(RefusedNumber number, std::string_view known);
 
-/// The text "Trajectory.speed: 3 is outside [0.01, 1.0] m/s; give at most 1.0 m/s".
+/// Returns an error text such as "Trajectory.speed: 3 is outside [0.01, 1.0] m/s; give at most 1.0
+/// m/s".
 std::string out_of_range(std::string_view field, RefusedNumber number, std::string_view limits);
 
 template <class T>
@@ -46,11 +47,13 @@ std::string out_of_range(std::string_view field, T number, std::string_view limi
   return out_of_range(field, refused_number(number), limits);
 }
 
-/// The text "Joints.position[2]: 3 is outside [-2.0, 2.0] rad; …" for the element at `index`.
+/// Returns an error text for the element at `index`, such as "Joints.position[2]: 3 is outside
+/// [-2.0, 2.0] rad; …".
 std::string element_out_of_range(std::string_view field, std::ptrdiff_t index, RefusedNumber number,
                                  std::string_view limits);
 
-/// `outlier` points to an element of `numbers`.
+/// Returns the error text for the element to which `outlier` points. This element must be one of
+/// `numbers`.
 template <class Numbers>
 std::string element_out_of_range(std::string_view field, const Numbers& numbers,
                                  const typename Numbers::value_type* outlier,
@@ -58,15 +61,17 @@ std::string element_out_of_range(std::string_view field, const Numbers& numbers,
   return element_out_of_range(field, outlier - numbers.data(), refused_number(*outlier), limits);
 }
 
-/// The text "Scan.echoes: 500 elements, at most 360 fit; shorten it". `what` is "elements" or
-/// "bytes".
+/// Returns an error text such as "Scan.echoes: 500 elements, at most 360 fit; shorten it". `what`
+/// is "elements" or "bytes".
 std::string over_bound(std::string_view field, std::size_t size, std::size_t bound,
                        std::string_view what);
 
-/// The text "Pose.name: the string is not UTF-8 or contains NUL; convert it to UTF-8".
+/// Returns an error text such as "Pose.name: the string is not UTF-8 or contains NUL; convert it to
+/// UTF-8".
 std::string bad_text(std::string_view field);
 
-/// The text "Shape: the value does not agree with the union's discriminator; make …".
+/// Returns an error text such as "Shape: the value does not agree with the union's discriminator;
+/// make …".
 std::string wrong_arm(std::string_view type);
 
 }  // namespace gecos::wire

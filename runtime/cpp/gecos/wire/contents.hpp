@@ -66,8 +66,8 @@ void put_block(Encoder& to, const T& value, std::size_t size) {
   value.encode(to);
 }
 
-/// Converts to an array of any size, or to an array of arrays, in which every element equals
-/// `value`.
+/// A value that converts to an array of any size, or to an array of arrays. Every element of the
+/// array equals `value`.
 template <class T>
 struct Everywhere {
   T value;

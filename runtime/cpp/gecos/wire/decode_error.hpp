@@ -29,7 +29,7 @@ enum class DecodeProblem : std::uint8_t {
 /// Returns the problem as a text, for example "the string is not UTF-8".
 const char* describe(DecodeProblem problem);
 
-/// A number that is outside its range, or that is no enumerator of its enum.
+/// A refused number: a number that is outside its range, or that is no enumerator of its enum.
 using RefusedNumber = std::variant<double, std::int64_t, std::uint64_t>;
 
 struct DecodeError {
@@ -38,16 +38,16 @@ struct DecodeError {
       0;  ///< position of the refused value, counted from the first byte given to the decoder
   const char* field = "";  ///< static text; empty when the reader passed no field name
 
-  /// Static text: the range that `number` is outside of, for example "[0.01, 1.0] m/s", or the
-  /// known enumerators when `number` is not one of them. Empty when the problem is not about a
-  /// number.
+  /// A static text that says which numbers are valid. If `number` is outside a range, the text is
+  /// the range, for example "[0.01, 1.0] m/s". If `number` is no enumerator, the text lists the
+  /// known enumerators. The text is empty when the problem is not about a number.
   const char* limits = "";
   RefusedNumber number{};
 
   /// Returns a text such as "field 'speed' at byte 12: 3 is outside [0.01, 1.0] m/s; …"
   std::string message() const;
 
-  /// Compares problem, offset and field.
+  /// Two errors are equal if their problem, offset and field are equal.
   friend bool operator==(const DecodeError& a, const DecodeError& b);
 };
 inline std::string describe(const DecodeError& error) { return error.message(); }

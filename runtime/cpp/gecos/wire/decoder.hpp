@@ -23,10 +23,10 @@ inline constexpr int max_depth = 16;
 inline constexpr std::size_t max_zero_width = 65'536;
 
 /// Reads values from bytes, one after the other. Every function that reads returns whether it
-/// succeeded. After the first failure, all reads fail, and `error()` returns the first error. A
-/// count of more elements than the bytes can hold is refused before any memory is allocated. Throws
-/// only std::bad_alloc. The parameter `field` is the name of the field for the error, and must be
-/// static text.
+/// succeeded. After the first failure, all reads fail, and `error()` returns the first error. If a
+/// count is larger than the number of elements that the bytes can hold, the decoder refuses the
+/// count before it allocates memory. Throws only std::bad_alloc. The parameter `field` is the name
+/// of the field for the error, and must be static text.
 class Decoder {
  public:
   /// Makes an empty decoder, which `open_block` can set.
@@ -125,12 +125,13 @@ class Decoder {
     return true;
   }
 
-  /// Makes the next get_bulk() store in `octets` where the octets of a @bulk sequence are, in the
-  /// bytes that were given to the decoder, instead of copying them. `octets` must outlive the
-  /// decoder.
+  /// Makes the next get_bulk() store in `octets` a view of the octets of a @bulk sequence, instead
+  /// of a copy. The view refers to the bytes that were given to the decoder. `octets` must outlive
+  /// the decoder.
   void keep_bulk(std::optional<ByteView>& octets) { bulk_ = &octets; }
 
-  /// Reads a @bulk sequence of at most `max` octets. After keep_bulk(), leaves `octets` empty.
+  /// Reads a @bulk sequence of at most `max` octets into `octets`. After a call of keep_bulk(),
+  /// leaves `octets` empty, because keep_bulk() has named another destination.
   [[nodiscard]] bool get_bulk(std::vector<std::uint8_t>& octets, std::size_t max,
                               const char* field) {
     std::size_t count = 0;
@@ -187,9 +188,9 @@ class Decoder {
     return fail_at(begin_ + offset, problem, field);
   }
 
-  /// Records that `number`, which was read from the last `size` bytes, is refused. `limits` is
-  /// static text: the range that it is outside of, or the known enumerators. Always returns
-  /// false.
+  /// Records that the decoder refuses `number`, which was read from the last `size` bytes. `limits`
+  /// is a static text that says which numbers are valid: the range, or the known enumerators.
+  /// Always returns false.
   bool fail_number(DecodeProblem problem, RefusedNumber number, const char* limits,
                    std::size_t size, const char* field);
 

@@ -28,8 +28,8 @@ concept NumberRange = requires(Range& range) {
 /// Returns the number of bytes that `put_string` writes for `text`: a count, the text and a NUL.
 constexpr std::size_t string_size(std::string_view text) { return 4 + text.size() + 1; }
 
-/// The place in a sample for the octets of its @bulk sequence, which the publisher writes there
-/// after the rest of the sample was encoded.
+/// The place in a sample for the octets of its @bulk sequence. The publisher writes the octets
+/// there after all other members of the sample were encoded.
 struct BulkPlace {
   std::size_t size = 0;           ///< number of octets
   std::span<std::byte> octets{};  ///< in the buffer of the encoder; empty before put_bulk()
@@ -84,12 +84,12 @@ class Encoder {
     cursor_ += numbers.size() * width;
   }
 
-  /// Makes the next put_bulk() leave `place.size` bytes free, and stores in `place` where they are.
-  /// `place` must outlive the encoder.
+  /// Makes the next put_bulk() leave `place.size` bytes free, and stores the place of these free
+  /// bytes in `place`. `place` must outlive the encoder.
   void leave_bulk(BulkPlace& place) { bulk_ = &place; }
 
-  /// Appends a @bulk sequence of octets: the count, then the octets. After leave_bulk(), the octets
-  /// are left free instead, and those of `octets` are ignored.
+  /// Appends a @bulk sequence of octets: the count, then the octets. After a call of leave_bulk(),
+  /// ignores `octets` and leaves the bytes for the octets free.
   void put_bulk(std::span<const std::uint8_t> octets) {
     if (bulk_ == nullptr) {
       put_count(octets.size());

@@ -126,8 +126,8 @@ template <class Numbers>
                           after * sizeof *outlier, field);
 }
 
-/// Refuses the number that was just read, because the enum has no such enumerator. `known` is
-/// static text with the known enumerators.
+/// Refuses the number that was just read, because the enum has no enumerator with this number.
+/// `known` is static text with the known enumerators.
 [[nodiscard]] inline bool no_enumerator(Decoder& from, std::int32_t number, const char* known,
                                         const char* field) {
   return from.fail_number(DecodeProblem::UnknownEnumerator, refused_number(number), known,

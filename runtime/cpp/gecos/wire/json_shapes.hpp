@@ -235,7 +235,7 @@ class JsonListed {
   JsonMembers& each_;
 };
 
-/// Requires the members that an older writer cannot omit.
+/// Requires every member except those that an older writer may have omitted.
 class JsonRequired {
  public:
   explicit JsonRequired(const JsonReader& from) : from_(from) {}
@@ -251,8 +251,8 @@ class JsonRequired {
   bool may_end_ = false;
 };
 
-/// The shape of the arguments or the result of a call. Members are required, except those with
-/// defaults at the end.
+/// The JSON representation of the arguments or the result of a call. All members are required,
+/// except the members at the end that have defaults.
 template <layout::Listed T>
 struct JsonShape<T> {
   static void write(JsonWriter to, const T& value) {

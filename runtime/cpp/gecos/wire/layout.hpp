@@ -1,17 +1,15 @@
 // Structs that list their members once: the arguments and the result of a call. Their size, codec,
 // checks and JSON are derived from the list.
 //
-//     struct Gripper_open_arguments {
-//       double width = 0;
+// struct Gripper_open_arguments { double width = 0;
 //
-//       static bool gecos_members(auto& each, auto& self) {
-//         return each("open.width", self.width, gecos::layout::Ranged<double>{{.low = 0}, "…"});
-//       }
-//     };
+// static bool gecos_members(auto& each, auto& self) { return each("open.width", self.width,
+// gecos::layout::Ranged<double>{{.low = 0}, "…"}); } };
 //
-// `each` gets the label of a member in errors, the member, and its *step*: how the member is
-// encoded. Without a step, the type of the member decides. `each.may_end()` stands before the
-// members that an older writer may omit. Python has the same steps in gecos.wire.layout.
+// The parameters of `each` are the label of a member in error texts, the member, and the *step* of
+// the member, which says how the member is encoded. Without a step, the type of the member decides.
+// `each.may_end()` stands before the members that an older writer may omit. Python has the same
+// steps in gecos.wire.layout.
 #pragma once
 
 #include <array>
@@ -36,14 +34,15 @@ template <class T>
 inline constexpr bool in_bulk = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
 
 /// A bitset or bitmask, which is encoded as one number. A union can also have a member function
-/// `bits`, if an arm has this name; it differs by its `encoded_size`.
+/// `bits`, if an arm has this name; a union differs from a bitset by its function `encoded_size`.
 template <class T>
 concept Packed = requires(const T& value) {
   value.bits();
 }
 &&!requires(const T& value) { value.encoded_size(); };
 
-/// A number, an enumerator, a text without bound, or a value that encodes itself.
+/// The default encoding of a member that is a number, an enumerator, a text without bound, or a
+/// value that encodes itself.
 struct Plain {
   template <class T>
   static constexpr std::size_t least() {
@@ -97,7 +96,8 @@ struct Plain {
   }
 };
 
-/// A value that encodes itself in at least `bytes` bytes, as an element of a sequence or map.
+/// The encoding of an element of a sequence or map. The element encodes itself, in at least `bytes`
+/// bytes.
 template <std::size_t bytes>
 struct Value : Plain {
   template <class T>
@@ -106,7 +106,7 @@ struct Value : Plain {
   }
 };
 
-/// The encoding of an @appendable value: its size, then its members.
+/// The encoding of an @appendable value: first the size of the value, then its members.
 struct Block : Plain {
   template <class T>
   static constexpr std::size_t least() {
@@ -126,7 +126,7 @@ struct Block : Plain {
   }
 };
 
-/// A text of at most `bound` bytes.
+/// The encoding of a text of at most `bound` bytes.
 template <std::size_t bound>
 struct Text : Plain {
   static bool get(wire::Decoder& from, std::string& text, const char* label) {
@@ -138,7 +138,8 @@ struct Text : Plain {
   }
 };
 
-/// A number within `bounds`. `limits` is the text of the bounds in errors: "[0.01, 1.0] m/s".
+/// The encoding of a number within `bounds`. `limits` is the text of the bounds in errors, for
+/// example "[0.01, 1.0] m/s".
 template <class T>
 struct Ranged : Plain {
   constexpr Ranged(wire::Bounds<T> allowed, const char* shown) : bounds(allowed), limits(shown) {}
@@ -175,8 +176,8 @@ inline constexpr bool is_secret = false;
 template <class Step>
 inline constexpr bool is_secret<Secret<Step>> = true;
 
-/// Returns the error of an element of a nested array. The text contains no index, because the
-/// element has several.
+/// Returns the error of an element of a nested array. The text contains no index, because such an
+/// element has several indices.
 template <class Step, class T>
 std::string wrong_inside(const Step& step, const T& value, const char* label) {
   if constexpr (requires { step.wrong(value, label, true); }) {
@@ -294,7 +295,7 @@ struct Array : Elements<Step> {
   }
 };
 
-/// A sequence of at most `bound` elements.
+/// The encoding of a sequence of at most `bound` elements.
 template <class Step, std::size_t bound = wire::npos>
 struct Items : Elements<Step> {
   constexpr Items() = default;
@@ -481,8 +482,8 @@ template <Listed T>
   return T::gecos_members(each, value) && wire::skip_rest(from);
 }
 
-/// Returns why `value` must not be sent: the member and its error. Returns an empty text when
-/// `value` may be sent.
+/// Returns the error text of the first member whose value must not be sent. The text names the
+/// member, and is empty when `value` may be sent.
 template <Listed T>
 std::string violation(const T& value) {
   Checking each;
@@ -508,7 +509,7 @@ tl::expected<T, wire::DecodeError> from_bytes(ByteView bytes) {
   return result;
 }
 
-/// The result of a call that has a single result.
+/// The result of a call of an operation that has a single result.
 template <class T, class Step = DefaultStep<T>>
 struct Result {
   T result{};

@@ -29,8 +29,8 @@ constexpr std::array<HeadField, 11> head_fields{{{"", fingerprint_size},
                                                  {"deadline_ns", 8}}};
 constexpr std::size_t deadline_offset = packet_head_size - 4 - 8;
 
-/// Records that a packet has only `size` bytes, fewer than a head. The error names the first field
-/// of the head that is not there as a whole.
+/// Records that a packet has only `size` bytes, fewer than the head of a packet. The error names
+/// the first field of the head that is missing or cut off.
 bool refuse_short_head(Decoder& in, std::size_t size) {
   std::size_t offset = 0;
   for (const HeadField& field : head_fields) {

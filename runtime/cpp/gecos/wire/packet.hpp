@@ -67,17 +67,17 @@ constexpr std::size_t packet_size(std::size_t body_size, std::size_t tag_size = 
   return packet_head_size + body_size + packet_tail_size + tag_size;
 }
 
-/// Writes the bytes of a packet before its body. So a sender copies the body only once: it can send
-/// head, body, tail and tag together, or encode the body right after the head. @pre `body_size`
-/// fits in 32 bits, and the deadline is not negative.
+/// Writes the bytes of a packet before its body. A sender therefore copies the body only once: the
+/// sender can send head, body, tail and tag together, or encode the body right after the head. @pre
+/// `body_size` fits in 32 bits, and the deadline is not negative.
 void encode_packet_head(std::span<std::byte, packet_head_size> to, const PacketHeader& header,
                         std::size_t body_size);
 
-/// Writes the time that is left until the deadline into a packet that is sent again. @pre `packet`
-/// is an encoded packet, and `left` is not negative
+/// Writes the time that is left until the deadline into a packet that is sent again.
+/// @pre `packet` is an encoded packet, and `left` is not negative
 void write_deadline(std::span<std::byte> packet, Duration left);
 
-/// Writes the bytes between the body and the tag of a packet. They are the size of the tag.
+/// Writes the bytes between the body and the tag of a packet, which contain the size of the tag.
 void encode_packet_tail(std::span<std::byte, packet_tail_size> to, std::size_t tag_size);
 
 /// Returns a complete packet in one buffer. Copies the body and the tag.

@@ -77,8 +77,8 @@ void print(std::ostream& out, const std::map<Key, T, Order>& entries) {
   out << '}';
 }
 
-/// Prints the parts one after the other. Prints a string literal unchanged, and any other part as a
-/// value.
+/// Prints the parts one after the other. A part that is a string literal is printed unchanged, and
+/// any other part as a value.
 template <class... Parts>
 std::ostream& print_all(std::ostream& out, const Parts&... parts) {
   const auto put = [&out](const auto& part) {

@@ -48,21 +48,22 @@ inline void swap_copy_portable(std::byte* to, const std::byte* from, std::size_t
 
 enum class SwapKind { Portable, Ssse3, Avx2, Avx512 };
 
-// Runs the loop `kind`, so that tests and benchmarks can compare the loops. Returns false when this
-// processor does not support the loop. `width` is 2, 4 or 8. The host must be little-endian.
+// Copies numbers with the loop `kind`, so that tests and benchmarks can compare the loops. Returns
+// false when this processor does not support the loop. `width` is 2, 4 or 8. The host must be
+// little-endian.
 bool swap_copy_with(SwapKind kind, std::size_t width, std::byte* to, const std::byte* from,
                     std::size_t count);
 
-// These functions run the fastest loop that this processor supports. The first call chooses the
-// loop.
+// swap_copy_16, swap_copy_32 and swap_copy_64 copy numbers with the fastest loop that this
+// processor supports. The first call chooses the loop.
 void swap_copy_16(std::byte* to, const std::byte* from, std::size_t count);
 void swap_copy_32(std::byte* to, const std::byte* from, std::size_t count);
 void swap_copy_64(std::byte* to, const std::byte* from, std::size_t count);
 
 }  // namespace detail
 
-/// If there are fewer elements than this number, they are swapped inline, because a function call
-/// would take longer.
+/// The minimum number of elements for which a swapping function is called. Fewer elements are
+/// swapped inline, because the function call would take longer.
 inline constexpr std::size_t swap_inline_below = 16;
 
 /// Copies `count` elements of `width` bytes. On a little-endian host, reverses the bytes of each
