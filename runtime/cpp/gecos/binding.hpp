@@ -96,8 +96,8 @@ std::shared_ptr<CommandCore> ask_for_status(ClientSession& session, Status wante
 /// @pre `asked` is terminal
 tl::expected<Lease, LeaseRefusal> lease_from(const std::shared_ptr<ClientSession>& session,
                                              CommandCore& asked);
-/// Withdraws `asked`, a request for a status, and releases the status if it is granted
-/// nevertheless. Does not wait.
+/// Withdraws `asked`, a request for a status, and releases the status if the server grants the
+/// status nevertheless. Does not wait.
 void decline_status(const std::shared_ptr<ClientSession>& session,
                     const std::shared_ptr<CommandCore>& asked);
 

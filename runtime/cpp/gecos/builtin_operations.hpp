@@ -91,7 +91,7 @@ master(const Object& object, const LeaseOptions& options);
 void master(std::string_view name) = delete;  // takes a proxy, as gecos::actor does
 
 /// Stops the object for all clients: ends every lease except those of this session, removes all
-/// queued commands and interrupts the running ones.
+/// queued commands and interrupts the running commands.
 Command<void> stop(const Object& object);
 /// Takes sole command of a status that this session shares with other clients by password. The
 /// running and queued commands of the other clients end as PREEMPTED. Until `give_back`, or until

@@ -151,7 +151,7 @@ void IncomingCall::fail_as_thrown() {
   if (!core_) return;
   const std::type_info* const type = abi::__cxa_current_exception_type();
   const std::string threw = "threw " + (type == nullptr ? "something" : readable(type->name()));
-  constexpr const char* advice = "the handler must catch it and return a gecos::Fault";
+  constexpr const char* advice = "the handler must catch the exception and return a gecos::Fault";
   try {
     throw;
   } catch (const std::exception& error) {

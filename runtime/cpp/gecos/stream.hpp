@@ -28,8 +28,8 @@ struct Sample {
   std::uint64_t sequence = 0;  ///< rises by one per published sample
   std::uint64_t lost = 0;      ///< number of unread samples between the previously read sample (of
                                ///< an event, the subscription) and this one
-  double stamp = 0;  ///< when the value was measured, in s of Unix time by the server's clock; for
-                     ///< display
+  /// When the value was measured, in s of Unix time by the server's clock; for display.
+  double stamp = 0;
   /// The time from measuring to reading. The age is exact on one host; between hosts, it is too
   /// large by at most one round trip. Setting a clock does not change the age.
   Duration age{};

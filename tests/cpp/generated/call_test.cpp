@@ -105,7 +105,7 @@ TEST_F(GeneratedCalls, TurnWhatAHandlerThrowsIntoAFaultWithItsText) {
   EXPECT_EQ(painted.error().detail, Detail::Fault);
   EXPECT_EQ(painted.error().text,
             "the handler of 'paint' threw std::runtime_error, which it does not declare: "
-            "the can fell over; the handler must catch it and return a gecos::Fault");
+            "the can fell over; the handler must catch the exception and return a gecos::Fault");
 }
 
 TEST_F(GeneratedCalls, NameAnExceptionThatOnlyAnotherOperationDeclares) {
@@ -124,7 +124,7 @@ TEST_F(GeneratedCalls, TurnWhatIsNoExceptionOfTheStandardLibraryIntoAFaultToo) {
   EXPECT_EQ(painted.error().detail, Detail::Fault);
   EXPECT_EQ(painted.error().text,
             "the handler of 'paint' threw int, which it does not declare; the handler must catch "
-            "it and return a gecos::Fault");
+            "the exception and return a gecos::Fault");
   EXPECT_TRUE(stage.paint(Colour::RED, {"a"}).get()) << "and the next call is carried out";
 }
 

@@ -32,7 +32,7 @@ TEST(Match, HardRealtimeNeedsAMediumWithoutLossOrSharedQueue) {
   const auto found = violations(asked, lcm);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].term, "class=HARD_REALTIME");
-  EXPECT_EQ(found[0].why, "lcm shares a queue with other programs and may lose packets");
+  EXPECT_EQ(found[0].why, "the medium lcm shares a queue with other programs and may lose packets");
 }
 
 TEST(Match, ReliableNeedsSomebodyWhoRepeats) {
@@ -134,7 +134,8 @@ TEST(Choose, ListsEveryMediumAndTheTermItViolates) {
   ASSERT_FALSE(chosen);
   EXPECT_EQ(chosen.error(),
             "no medium meets the required quality; latency=1ms: shm was measured at 3ms; "
-            "class=HARD_REALTIME: lcm shares a queue with other programs and may lose packets");
+            "class=HARD_REALTIME: the medium lcm shares a queue with other programs and may lose "
+            "packets");
 }
 
 TEST(Choose, SaysWhenThereIsNothingToChooseFrom) {

@@ -107,7 +107,8 @@ TEST_F(Channels, MustMeetTheQualityOfTheInterfaceToo) {
   ASSERT_FALSE(created);
   EXPECT_EQ(created.error().to_string(),
             "PROBE: QOS_UNAVAILABLE: PROBE (in=lcm) no medium meets the required quality; "
-            "class=HARD_REALTIME: lcm shares a queue with other programs and may lose packets");
+            "class=HARD_REALTIME: the medium lcm shares a queue with other programs and may lose "
+            "packets");
 }
 
 }  // namespace

@@ -197,7 +197,8 @@ TEST_F(Create, RefusesHardRealtimeOnAMediumThatCannotUnlessSimulated) {
   };
   EXPECT_TRUE(selection(false).best_first().empty());
   EXPECT_EQ(selection(false).why_none(),
-            "no medium meets the required quality; class=HARD_REALTIME: lcm shares a queue with "
+            "no medium meets the required quality; class=HARD_REALTIME: the medium lcm shares a "
+            "queue with "
             "other programs and may lose packets");
   EXPECT_EQ(selection(true).best_first().size(), 1u);
 }

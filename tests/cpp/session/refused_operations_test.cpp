@@ -35,7 +35,7 @@ TEST(RefusedOperations, AreThoseWhoseQualityTheMediumDoesNotMeet) {
   using gecos::qos::Reliability;
   using std::chrono::milliseconds;
   const std::string no_hard_real_time =
-      "class=HARD_REALTIME: lcm shares a queue with other programs and may lose packets";
+      "class=HARD_REALTIME: the medium lcm shares a queue with other programs and may lose packets";
   const std::vector<Row> table = {
       {{.line = Class::TimeIndependent}, false, "", ""},
       {{.line = Class::SoftRealtime}, false, "", ""},

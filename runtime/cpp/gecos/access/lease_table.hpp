@@ -88,9 +88,9 @@ class LeaseTable {
   LeaseTable(IncarnationId incarnation, Duration ttl);
 
   /// Grants actor or master status to `session`. A session that has a status already keeps it, or
-  /// gets `wanted` if that is higher. A session must release a status as often as it acquired the
-  /// status. Another session joins the holders with the password of the first holder. @pre `wanted`
-  /// is not Sensor, which needs no lease.
+  /// gets `wanted` if `wanted` is higher. A session must release a status as often as it acquired
+  /// the status. Another session joins the holders with the password of the first holder. @pre
+  /// `wanted` is not Sensor, which needs no lease.
   tl::expected<Grant, LeaseRefusal> acquire(SessionId session, const Client& client, Status wanted,
                                             const Proof& password, TimePoint now);
 

@@ -42,8 +42,8 @@ struct Line {
   std::uint64_t last = 0;   ///< the counter of the last of these requests
 };
 
-/// Returns the JSON text of the line, which is one line with a newline at its end. Bytes that are
-/// not ASCII are copied: they must be UTF-8. Texts longer than 1 KiB are cut.
+/// Returns the event as JSON text. The text is one line and ends with a newline. Bytes that are not
+/// ASCII are copied: they must be UTF-8. Texts longer than 1 KiB are cut.
 std::string to_json(const Line& line);
 
 /// Returns the current time for Line::time. Its resolution is a few milliseconds, and reading it

@@ -27,12 +27,12 @@ struct BrokerOptions {
 };
 
 /// The broker as an object: `gecos::serve(lab, {broker.serving()})` serves it at this host's
-/// well-known address; `broker.serve(server)` does so in a program that has a server of its own. An
-/// object leaves the broker's list when the session that registered it ends; if its server runs on
-/// this host, also when the kernel reports the end of the server's process (directory.hpp). In its
-/// first second the broker prefers objects that were served before the broker started. A broker
-/// that is served over shm knows which objects of this host's processes were registered with the
-/// previous broker (kept_names.hpp).
+/// well-known address; `broker.serve(server)` serves the broker in a program that has a server of
+/// its own. An object leaves the broker's list when the session that registered the object ends. If
+/// the server of the object runs on this host, the object also leaves the list when the kernel
+/// reports the end of the server's process (directory.hpp). In its first second the broker prefers
+/// objects that were served before the broker started. A broker that is served over shm knows which
+/// objects of this host's processes were registered with the previous broker (kept_names.hpp).
 class Broker final : public BrokerServant {
  public:
   explicit Broker(const BrokerOptions& options = {});

@@ -107,7 +107,7 @@ class Directory {
   tl::expected<void, std::variant<UnknownName, NameInUse>> free(const std::string& name);
   /// Marks the expected servers that have not returned in time as silent. Forgets the objects that
   /// have been silent for longer than `remembered`. Keeps at most `most_silent` silent objects
-  /// whose names are free, namely the ones that were heard last. Returns the time at which this
+  /// whose names are free, namely the objects that were heard last. Returns the time at which this
   /// function must be called again.
   TimePoint on_tick(TimePoint now);
 

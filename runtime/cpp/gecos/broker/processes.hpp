@@ -15,8 +15,8 @@ class Processes {
   /// Throws std::system_error when the process has no descriptor left.
   Processes();
 
-  /// Begins to watch the process. Returns false when there is no such process: it has ended, or it
-  /// is in another PID namespace. Does nothing when the process is watched already.
+  /// Begins to watch the process. Returns false when the process does not exist, because it has
+  /// ended or is in another PID namespace. Does nothing when the process is watched already.
   bool watch(std::int32_t pid);
   /// Returns when the watched process started, in ticks since the boot of the machine. A later
   /// process with the same PID has another start time. Returns 0 when the start time is not known.

@@ -31,9 +31,9 @@ struct KeyOwner {
 /// The directory with a user's keys. No other part of gecos/crypto reads or writes files.
 /// Thread-safe. The directory has three kinds of files:
 ///
-/// own.secret this user's secret key, created at first use and never sent <64 hex digits>.public
-/// the public key of an admitted user; its name is the key <64 hex digits>.owner whose key it is,
-/// such as "anna@desk"; may be missing
+///     own.secret              this user's secret key, created at first use and never sent
+///     <64 hex digits>.public  the public key of an admitted user; its name is the key
+///     <64 hex digits>.owner   the owner of that key, such as "anna@desk"; may be missing
 ///
 /// Only the user may access the directory (mode 0700) and its files (mode 0600); other users may
 /// read a .public file. A user who has the same home directory on several hosts has one key. To let

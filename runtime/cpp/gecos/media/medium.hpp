@@ -313,8 +313,8 @@ class Acceptor {
   virtual const std::string& address() const = 0;
   /// Sets the function that decides about clients of other users; the kernel or a key names the
   /// user. A refused client gets no connection, but Loss::Refused with the reason. On shm, clients
-  /// of root and of the server's own user are always admitted; without such a function, all other
-  /// clients are refused. On lcm, every admitted key may connect without such a function. Call this
+  /// of root and of the server's own user are always admitted; if no function is set, all other
+  /// clients are refused. On lcm, every admitted key may connect if no function is set. Call this
   /// before the first accept(). Does nothing on inproc.
   virtual void admit_by(AdmitPeer) {}
   /// Returns the connection to the next client that has connected, or null when there is none.
@@ -329,8 +329,8 @@ class Acceptor {
   /// Makes a stream that all connections of this acceptor can share. `largest` is the largest size
   /// of a sample in bytes; `depth` is the number of samples that are kept.
   virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
-  /// Opens the channel `name` for messages in clear. Returns null on a medium without such
-  /// channels; only lcm has them.
+  /// Opens the channel `name` for messages in clear. Only the medium lcm has these channels; on any
+  /// other medium, returns null.
   virtual tl::expected<std::unique_ptr<OpenChannel>, MediumError> open_channel(
       const std::string& name);
 };

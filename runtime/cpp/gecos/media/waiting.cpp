@@ -91,8 +91,8 @@ bool SpinPolicy::yield() {
 }
 
 /// Returns whether the wait has used its polling time. Waits that poll for longer than `shortest`
-/// may never sleep, and then measure no wake-up. Therefore one of `waits_between_probes` such waits
-/// sleeps early, to notice when wake-ups have become cheaper.
+/// may never sleep, and then measure no wake-up. Therefore one of every `waits_between_probes` of
+/// these waits sleeps early, to notice when wake-ups have become cheaper.
 bool SpinPolicy::spent() {
   if (wait_.looked >= options_.shortest && !std::exchange(wait_.late, true) &&
       ++late_waits_ % options_.waits_between_probes == 0) {

@@ -37,12 +37,14 @@ bool too_slow(const Quality& asked, const LineCapabilities& line) {
 std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line) {
   std::vector<Violation> found;
   if (asked.line == Class::HardRealtime && !line.real_time) {
-    found.push_back({"class=" + std::string(to_string(asked.line)),
-                     line.name + " shares a queue with other programs and may lose packets"});
+    found.push_back(
+        {"class=" + std::string(to_string(asked.line)),
+         "the medium " + line.name + " shares a queue with other programs and may lose packets"});
   }
   if (asked.reliability == Reliability::Reliable && !line.reliable) {
-    found.push_back({"reliability=" + std::string(to_string(asked.reliability)),
-                     line.name + " may lose packets, and nothing retransmits them"});
+    found.push_back(
+        {"reliability=" + std::string(to_string(asked.reliability)),
+         "the medium " + line.name + " may lose packets, and nothing retransmits them"});
   }
   if (!allows(asked.media, line.name)) {
     found.push_back({"media=" + to_string(asked.media), line.name + " is not one of these media"});

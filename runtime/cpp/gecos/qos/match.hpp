@@ -27,12 +27,12 @@ struct LineCapabilities {
 /// One term of the required quality that a medium does not meet.
 struct Violation {
   std::string term;  ///< as in the interface, for example `class=HARD_REALTIME`
-  std::string why;   ///< for example "lcm may lose packets, and nothing retransmits them"
+  std::string why;  ///< for example "the medium lcm may lose packets, and nothing retransmits them"
 };
 
-/// Returns the terms of `asked` that `line` does not meet; empty when it meets all of them. A
-/// latency term counts as met until the latency has been measured. HARD_REALTIME is checked only
-/// for the medium, not for the threads that wait for packets.
+/// Returns the terms of `asked` that `line` does not meet. The result is empty when `line` meets
+/// all terms. A latency term counts as met until the latency has been measured. HARD_REALTIME is
+/// checked only for the medium, not for the threads that wait for packets.
 std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line);
 
 /// Returns the indices of the elements of `lines` that meet `asked`, best first. The promises of

@@ -1,10 +1,13 @@
 // Structs that list their members once: the arguments and the result of a call. Their size, codec,
 // checks and JSON are derived from the list.
 //
-// struct Gripper_open_arguments { double width = 0;
+//     struct Gripper_open_arguments {
+//       double width = 0;
 //
-// static bool gecos_members(auto& each, auto& self) { return each("open.width", self.width,
-// gecos::layout::Ranged<double>{{.low = 0}, "…"}); } };
+//       static bool gecos_members(auto& each, auto& self) {
+//         return each("open.width", self.width, gecos::layout::Ranged<double>{{.low = 0}, "…"});
+//       }
+//     };
 //
 // The parameters of `each` are the label of a member in error texts, the member, and the *step* of
 // the member, which says how the member is encoded. Without a step, the type of the member decides.

@@ -41,7 +41,8 @@ class SealedSender {
   bool send_bare(DatagramKind kind, ByteView frame);
   /// Returns the header of a handshake datagram. The handshake authenticates this header.
   std::array<std::byte, DatagramHeader::bytes> header(DatagramKind kind) const;
-  /// Changes to the next key when it is time to do so. Must be called with every heartbeat.
+  /// Changes to the next key when the present key has been used for long enough. Must be called
+  /// with every heartbeat.
   void on_tick(TimePoint now);
 
  private:
