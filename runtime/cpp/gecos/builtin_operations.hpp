@@ -67,8 +67,9 @@ struct LeaseOptions {
   /// How long to wait while other clients hold the status. The server grants waiting requests in
   /// the order of their arrival. Zero: do not wait. Duration::max(): wait without limit.
   Duration timeout{};
-  /// Called when the wait begins, and whenever the number of requests before this one changes, on
-  /// the thread that acquires the status. `before` is the number of requests before this one.
+  /// Called when the wait begins, and whenever the number of requests before the request of this
+  /// program changes. Runs on the thread that acquires the status. `before` is the number of these
+  /// earlier requests.
   std::function<void(std::uint32_t before)> on_position{};
 };
 

@@ -67,7 +67,8 @@ std::string_view to_string(Detail detail);  ///< returns for example "SERVER_CRA
 std::optional<Detail> detail_from(std::uint8_t number);
 std::ostream& operator<<(std::ostream& out, Detail detail);
 
-/// Why a command did not finish, with the declared exception if the handler raised one.
+/// The reason for which a command did not finish, and the declared exception if the handler raised
+/// one.
 struct Failure {
   Detail detail = Detail::Fault;
   std::string text;       ///< what failed, where, and what the caller can do
@@ -115,7 +116,7 @@ class CommandCore {
   virtual ~CommandCore() = default;
   virtual CommandId id() const = 0;
   virtual Progress progress() const = 0;
-  /// Returns the latest feedback, encoded; empty when no feedback has arrived.
+  /// Returns the latest feedback in encoded form; empty when no feedback has arrived.
   virtual Bytes feedback() const = 0;
   /// Waits until the command is terminal or `deadline` has passed; true when terminal. If the
   /// server process dies, the command still ends in bounded time.

@@ -25,7 +25,8 @@ template <class T>
 struct InwardSample {
   T value{};
   std::uint64_t sequence = 0;  ///< rises by one per sample that its sender has sent
-  /// When the value was measured, in s of Unix time by the sender's clock; for display.
+  /// The time at which the value was measured, in s of Unix time by the sender's clock; for display
+  /// only.
   double stamp = 0;
   /// The time from measuring to reading. The age is exact on one host; between hosts, it is too
   /// small by at most the shortest transit time of a packet.

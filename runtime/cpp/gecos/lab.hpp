@@ -82,7 +82,7 @@ std::ostream& operator<<(std::ostream& out, const CreateError& error);
 namespace session {
 class Context;
 struct LabAccess;
-/// A session that was opened, and why the earlier names in the list were skipped.
+/// A session that was opened, and the reasons for which the earlier names in the list were skipped.
 struct Created {
   std::shared_ptr<ClientSession> session;
   CreateError passed_over;

@@ -33,7 +33,8 @@ struct LineState {
                      ///< is measured
   std::optional<Duration> round_trip{};  ///< as measured last
   bool degraded = false;                 ///< the round trip has exceeded the bound for a second
-  /// How often the state has changed: `degraded` has, or a failover has succeeded or failed.
+  /// The number of changes of the state. The state changes when `degraded` changes, and when a
+  /// failover has succeeded or failed.
   std::uint64_t changes = 0;
   /// The medium that the proxy has left, if the last change was a failover. The proxy now uses
   /// `medium`.
@@ -76,7 +77,8 @@ class ClientSession {
   /// session issues later commands without an epoch.
   virtual void lease_released(std::uint64_t held) = 0;
   /// Returns whether the status of a lease is certainly lost: the session has ended, or has
-  /// acquired another status since. False does not mean that the server still grants the status.
+  /// acquired another status after that lease. False does not mean that the server still grants the
+  /// status.
   virtual bool lease_lost(std::uint64_t /*held*/) const { return false; }
   /// Returns the state of the connection.
   virtual LineState line() const { return {}; }

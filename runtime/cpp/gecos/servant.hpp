@@ -32,8 +32,8 @@ struct Caller {
   std::uint64_t session = 0;
 };
 
-/// Why a handler returns no result: a declared exception, or one of the reasons that the functions
-/// below make.
+/// The reason for which a handler returns no result: a declared exception, or a failure that
+/// rejected(), bad_parameter(), failed() or interrupted() makes.
 class Fault {
  public:
   /// Makes a Fault from a declared exception of the operation, for example in `return

@@ -26,9 +26,11 @@ template <class T>
 struct Sample {
   T value{};
   std::uint64_t sequence = 0;  ///< rises by one per published sample
-  std::uint64_t lost = 0;      ///< number of unread samples between the previously read sample (of
-                               ///< an event, the subscription) and this one
-  /// When the value was measured, in s of Unix time by the server's clock; for display.
+  /// The number of unread samples between the sample that was read before and this one; before the
+  /// first occurrence of an event, the number of unread occurrences since the subscription.
+  std::uint64_t lost = 0;
+  /// The time at which the value was measured, in s of Unix time by the server's clock; for display
+  /// only.
   double stamp = 0;
   /// The time from measuring to reading. The age is exact on one host; between hosts, it is too
   /// large by at most one round trip. Setting a clock does not change the age.

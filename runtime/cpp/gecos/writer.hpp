@@ -40,7 +40,7 @@ class WriterCore {
   virtual bool lost() const = 0;
 };
 
-/// Returns the failure of a sample whose value must not be sent, and why.
+/// Returns the failure of a sample whose value must not be sent. `why` is the text of the failure.
 inline tl::unexpected<Failure> refused_sample(std::string why) {
   return tl::unexpected(Failure{Detail::BadParameter, std::move(why), {}, {}});
 }

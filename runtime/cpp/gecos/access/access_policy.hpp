@@ -114,8 +114,8 @@ AccessRule decide_by(const AllowList& list, const UserAtHost& server, const User
 /// `other` both admit.
 AllowList whom_both_admit(const AllowList& one, const AllowList& other);
 
-/// Who may connect to the objects of one server. The user of the server and root may always connect
-/// on the server's host. Two lists can name other users: the list that the program gave to
+/// Decides who may connect to the objects of one server. The user of the server and root may always
+/// connect on the server's host. Two lists can name other users: the list that the program gave to
 /// `Server::allow`, and the list of the lab file for the object. Another user may connect if at
 /// least one of the two lists exists and each existing list admits the user.
 ///

@@ -140,8 +140,8 @@ class LeaseTable {
   /// and was issued under `epoch`.
   tl::expected<void, Denial> may_queue(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
-  /// Returns whether the command may start now. Like may_queue, but commands of a releasing session
-  /// may still start.
+  /// Returns whether a command of `session` may start now. The conditions are those of may_queue,
+  /// except that commands of a releasing session may still start.
   tl::expected<void, Denial> may_start(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
 

@@ -21,7 +21,8 @@ namespace gecos::access {
 class ObjectPresence {
  public:
   static constexpr Duration report_life = std::chrono::seconds(1);
-  /// Longer than 750 ms, the longest time for which a command may stay unread in the transport.
+  /// This time must be longer than 750 ms, which is the longest time for which a command may stay
+  /// unread in the transport.
   static constexpr Duration settling = std::chrono::seconds(1);
 
   /// `zone`: the name of the object's zone; empty for an object in no zone, which never needs a

@@ -35,7 +35,7 @@ struct RosterChange {
 /// The caller passes the current time. Reads no clock and does no I/O.
 class RosterChanges {
  public:
-  /// Number of changes that are kept.
+  /// The maximum number of changes that are kept.
   static constexpr std::size_t kept = 256;
 
   /// The first change has the number `start + 1`. Two servers of one object must use different

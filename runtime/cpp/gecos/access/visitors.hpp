@@ -48,13 +48,13 @@ bool admits_visitor(const ProgramList& one, const UserAtHost& who);
 /// Thread-safe.
 class VisitorBook {
  public:
-  /// Sets the list of the object `name`. Does nothing if the book has a list of the same run of the
-  /// server with the same or a greater number. `revision`: the number of the broker's last change.
-  /// Returns whether the book has changed.
+  /// Sets the list of the object `name`. Does nothing if the VisitorBook has a list of the same run
+  /// of the server with the same or a greater number. `revision`: the number of the broker's last
+  /// change. Returns whether the VisitorBook has changed.
   bool set(const std::string& name, ProgramList list, std::uint64_t revision);
   /// Must be called when `server` has registered `name` without a list. Drops the list of `name` if
-  /// another server, or another run of this server, has set the list. Returns whether the book has
-  /// changed.
+  /// another server, or another run of this server, has set the list. Returns whether the
+  /// VisitorBook has changed.
   bool drop_other(const std::string& name, const ServerLife& server);
   /// Drops the lists of the objects that do not keep their names. Returns whether a list was
   /// dropped.

@@ -8,8 +8,8 @@ namespace gecos {
 /// note_suspension() last measured it. The kernel's coarse monotonic clock does not count the time
 /// of a suspension. Costs one load. Thread-safe.
 Duration noted_suspension();
-/// Measures the total time of suspension again, for noted_suspension(). The maintenance thread
-/// calls this function at each tick.
+/// Measures the total time of suspension again, so that noted_suspension() returns the present
+/// value. The maintenance thread calls this function at each tick.
 void note_suspension(const Clock& clock);
 
 }  // namespace gecos

@@ -213,8 +213,8 @@ Result<std::optional<double>> Broker::enlist(const Entry& told, double served_fo
   }
   announce();
   if (visitor_lists_.set(what, user, admitted, directory_.revision().number)) {
-    // The objects that a visitor may see may have changed, although the list has not changed for
-    // the other clients.
+    // The list that a visitor sees may have changed, although the list that other clients see has
+    // not changed.
     publish_revision(directory_.revision());
     wake_watcher_->notify();
   }

@@ -38,8 +38,8 @@ class Broker final : public BrokerServant {
   explicit Broker(const BrokerOptions& options = {});
   ~Broker() override;
 
-  /// The broker as an object of `gecos::serve`. Its first second begins now. Throws
-  /// std::system_error when the process has no thread or descriptor left.
+  /// Returns the broker as an object for `gecos::serve`. The first second of the broker begins with
+  /// this call. Throws std::system_error when the process has no thread or descriptor left.
   Serving serving(std::vector<media::Kind> media = {});
   /// Serves this broker. Fails when this host has a broker already, and when the process has no
   /// thread or descriptor left.
@@ -102,8 +102,8 @@ class Broker final : public BrokerServant {
   };
   std::vector<EndedSession> ended_sessions_ GECOS_GUARDED_BY(mutex_);
   VisitorLists visitor_lists_;  ///< started while the broker is served
-  /// The number of the list of revocations that the server of each session has applied, by the
-  /// number of the session.
+  /// For each session, the number of the list of revocations that the server of the session has
+  /// applied.
   std::map<std::uint64_t, std::uint64_t> applied_ GECOS_GUARDED_BY(mutex_);
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   std::optional<EventFd> wake_watcher_;  ///< set while this is served

@@ -89,7 +89,7 @@ class Directory {
   tl::expected<Duration, NameTaken> enlist(const Claim& claim, const Entry& entry, TimePoint now);
   /// Removes an object. Only the session that enlisted the object may remove it.
   tl::expected<void, UnknownName> withdraw(std::uint64_t session, const std::string& name);
-  /// Makes all objects silent that the session enlisted, and returns their names. `heard` is the
+  /// Marks all objects that the session enlisted as silent, and returns their names. `heard` is the
   /// time of the last sign of life of the server.
   std::vector<std::string> end_session(std::uint64_t session, TimePoint heard);
   /// Returns true when the session enlisted the object and still has the name.

@@ -22,7 +22,7 @@ class VisitorLists {
 
   VisitorLists();
 
-  /// Begins to read the list of the revoked. Throws std::system_error when the process has no
+  /// Begins to read the list of the revoked users. Throws std::system_error when the process has no
   /// thread or descriptor left.
   void start() {
     if (!revoked_) revoked_.emplace();

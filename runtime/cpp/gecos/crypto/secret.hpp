@@ -7,7 +7,7 @@
 
 namespace gecos::crypto {
 
-/// Overwrites `bytes` with zeros. Unlike with memset(), no compiler can optimize the writes away.
+/// Overwrites `bytes` with zeros. A compiler cannot optimize these writes away.
 void wipe(std::span<std::byte> bytes);
 
 /// Secret bytes that must not stay in memory after their use: the destructor overwrites them.

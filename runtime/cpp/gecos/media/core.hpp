@@ -24,7 +24,7 @@ class Core {
   /// Yields this core to another thread that is ready to run, if there is one.
   virtual void yield() const = 0;
 
-  /// Returns the Core that asks the kernel.
+  /// Returns the implementation of Core that asks the kernel.
   static const Core& real();
 };
 

@@ -53,8 +53,9 @@ struct Capabilities {
   bool reports_death = true;  ///< the kernel reports the death of the peer
   bool authenticated = true;  ///< the identity of the peer's user is proved
   bool overheard = false;     ///< other programs can receive packets: packets must be sealed
-  /// True if a connection consists only of the packets that its ends exchange: only silence tells a
-  /// client that no server is running, and an acceptor receives the packets for its connections.
+  /// True for a connectionless medium, on which a connection consists only of the packets that its
+  /// ends exchange. On this medium, a client learns only from silence that no server is running,
+  /// and an acceptor receives the packets for its connections.
   bool connectionless = false;
   bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< in bytes

@@ -212,8 +212,8 @@ struct JsonStruct {
   static bool visit_any(JsonMembers& each, void* value) {
     return visit(each, *static_cast<T*>(value));
   }
-  /// Visits the members of T in order; members of its bases come first. Stops at the first member
-  /// that is refused.
+  /// Visits the members of T in order; the members of the bases of T come first. Stops at the first
+  /// member that is refused.
   static bool visit(JsonMembers& each, T& value);
 };
 

@@ -109,8 +109,8 @@ class StreamWatch {
   /// Returns the sequence number of the newest sample. The load is sequentially consistent.
   std::uint64_t newest();
 
-  /// StreamRingReader::next() returns only samples whose sequence number is larger than this. Older
-  /// samples in the shared memory are for readers that have subscribed earlier.
+  /// StreamRingReader::next() returns only samples whose sequence number is larger than this
+  /// number. Older samples in the shared memory are for readers that have subscribed earlier.
   const std::uint64_t past;
   /// Sequence number of the newest sample that the reader or Connection::prepare_to_sleep() has
   /// seen. With this number, prepare_to_sleep() knows whether a newer sample has arrived.

@@ -35,8 +35,8 @@ struct Piece {
 struct Received {
   static constexpr std::size_t bytes = 24;
   std::uint64_t transfer = 0;
-  /// All pieces with a smaller index have arrived. Equals the number of pieces when the packet is
-  /// complete.
+  /// All pieces with an index below this number have arrived. This number equals the number of
+  /// pieces when the packet is complete.
   std::uint32_t all_before = 0;
   std::uint32_t beyond = 0;  ///< bit i: piece all_before + 1 + i has arrived
 

@@ -68,8 +68,8 @@ class DatagramNetwork {
   /// Returns the number of the port on which a new connection is to receive; the caller passes the
   /// number to shared(). If a network returns a number again, several connections share the port.
   virtual std::uint16_t draw_reply_port() const = 0;
-  /// Returns the network whose name in addresses is `name`. This is this object itself if `name` is
-  /// the name of this network.
+  /// Returns the network whose name in addresses is `name`. This is usually the network of this
+  /// object.
   virtual std::shared_ptr<const DatagramNetwork> named(const std::string& name) const = 0;
   /// Returns a text for the user when no server answers. The text says why packets may not arrive.
   /// It may be empty.

@@ -88,8 +88,8 @@ class HandshakeResponder {
   class RefusedPeers {
    public:
     void add(RefusedPeer peer);
-    /// If `client` was refused in the last seconds and must be told so again, returns the data of
-    /// its refusal; otherwise no value.
+    /// If `client` was refused in the last seconds and must get the answer again, returns the data
+    /// of the refusal; otherwise no value.
     std::optional<RefusedPeer> again(std::uint64_t client, TimePoint now);
 
    private:

@@ -281,7 +281,7 @@ bool ShmAcceptor::let_in() {
   return true;
 }
 
-/// Returns why the user of `peer` is not admitted; an empty text when the user is.
+/// Returns why the user of `peer` is not admitted; an empty text when the user is admitted.
 std::string ShmAcceptor::why_not(const Peer& peer) const {
   if (peer.uid == ::geteuid() || peer.uid == 0u) return "";
   if (admit_) return admit_(peer);

@@ -40,6 +40,7 @@ class SharedStreams {
   void forget(PeerEnd& reader);
 
   // The following functions are for streams that the peer publishes.
+
   /// Takes the memory of a stream from a Share message. Returns an error text when the message is
   /// invalid; otherwise nullopt.
   std::optional<std::string> received(ReceivedControl& control);
