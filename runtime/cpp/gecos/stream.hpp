@@ -26,8 +26,8 @@ template <class T>
 struct Sample {
   T value{};
   std::uint64_t sequence = 0;  ///< rises by one per published sample
-  /// The number of unread samples between the sample that was read before and this one; before the
-  /// first occurrence of an event, the number of unread occurrences since the subscription.
+  /// The number of samples that were not read between the previously read sample and this sample.
+  /// For the first sample of an event, the number counts from the subscription.
   std::uint64_t lost = 0;
   /// The time at which the value was measured, in s of Unix time by the server's clock; for display
   /// only.
