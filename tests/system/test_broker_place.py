@@ -75,7 +75,7 @@ def test_the_doctor_says_where_the_broker_is_named(
     doctor = lab_with_broker.run(*GECOS, "doctor")
     assert doctor.finish() == 1
     (said,) = (line for line in doctor.lines if line.startswith("error    broker: "))
-    assert f"{file}:3: broker.address: this names a broker that runs already" in said
+    assert f"{file}:3: broker.address: this address names a broker that runs already" in said
     assert said.endswith(f"({file})")
 
 

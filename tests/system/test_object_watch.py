@@ -144,7 +144,7 @@ def test_a_frozen_server_of_this_host_keeps_its_name_until_its_process_ends(
         freed = lab.run(*GECOS, "free", "RAIL")
         assert freed.finish() == 3, str(freed)
         (line,) = freed.lines
-        assert line.startswith("gecos: REJECTED: the name RAIL is not set free: the process of its")
+        assert line.startswith("gecos: REJECTED: the name RAIL is not set free: the server process")
         assert f"end it with `kill -KILL {frozen.pid}`" in line
         with pytest.raises(NameInUse):
             client.broker(Broker).free("RAIL").result(PATIENCE)

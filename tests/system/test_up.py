@@ -438,7 +438,7 @@ def test_a_file_is_read(tmp_path: Path) -> None:
         ("[programs]\nA = 3", "2: programs.A: a table is expected"),
         (
             '[broker]\nstart = true\naddress = "lcm:1"\n[programs.A]\nrun = ["x"]',
-            "3: broker.address: this names a broker that runs already",
+            "3: broker.address: this address names a broker that runs already",
         ),
         ('[programs.A]\nrun = ["x"]\nenvironment = { B = 1 }', "3: programs.A.environment: the"),
         ("[programs.A\n", "Expected ']'"),

@@ -61,9 +61,10 @@ TEST(AccessPolicy, AnInsecureServerAdmitsEveryUserOfEveryHostAndNoFurtherAdminis
     EXPECT_TRUE(decision.allowed());
     EXPECT_FALSE(policy.administers(lab_user, who));
   }
-  EXPECT_EQ(policy.decide(lab_user, bob_here, "RX90").text,
-            "RX90 admits user bob of host cell: its server was started with --insecure, so no list "
-            "counts");
+  EXPECT_EQ(
+      policy.decide(lab_user, bob_here, "RX90").text,
+      "RX90 admits user bob of host cell: the server of the object was started with --insecure, "
+      "so no list of users counts");
   EXPECT_EQ(policy.decide(lab_user, lab_user, "RX90").rule, AccessRule::OwnUser);
 }
 

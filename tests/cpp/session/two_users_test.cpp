@@ -196,7 +196,7 @@ TEST_F(TwoUsersOfOneHost, AnInsecureServerAdmitsBothWhomNoListNamesAndItsAuditSa
   const std::string told(std::istreambuf_iterator<char>(file), {});
   EXPECT_NE(told.find("\"event\":\"insecure\",\"object\":\"PROBE\""), std::string::npos) << told;
   EXPECT_NE(told.find("PROBE admits user bin of host " + gecos::host_name() +
-                      ": its server was started with --insecure"),
+                      ": the server of the object was started with --insecure"),
             std::string::npos)
       << told;
 }
