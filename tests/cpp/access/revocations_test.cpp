@@ -44,7 +44,9 @@ TEST(Revocations, WithAnErrorNameTheLine) {
   for (const std::string wrong : {"ben@desk", "- -", "-", "- ", "beef ben@desk", ""}) {
     const auto list = read_revocations(key_of_ben + " ben@desk\n" + wrong + "\n");
     ASSERT_FALSE(list) << wrong;
-    EXPECT_EQ(list.error(), "line 2 is not a key of 64 hexadecimal digits and its owner") << wrong;
+    EXPECT_EQ(list.error(),
+              "line 2 must be a key of 64 hexadecimal digits, a blank and the owner of the key")
+        << wrong;
   }
 }
 

@@ -46,7 +46,9 @@ TEST_F(RevokedListTest, SaysWhichLineHasAnError) {
   write("ben@desk\n");
   const auto found = list.read();
   ASSERT_FALSE(found);
-  EXPECT_EQ(found.error(), path + ": line 1 is not a key of 64 hexadecimal digits and its owner");
+  EXPECT_EQ(
+      found.error(),
+      path + ": line 1 must be a key of 64 hexadecimal digits, a blank and the owner of the key");
 }
 
 TEST_F(RevokedListTest, DoesNotCountIfOtherUsersMayWriteIt) {

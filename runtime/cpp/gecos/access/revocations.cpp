@@ -26,8 +26,9 @@ tl::expected<std::vector<RevokedUser>, std::string> read_revocations(std::string
         blank == std::string_view::npos ? std::string_view() : line.substr(blank + 1);
     const bool any_key = key == empty_member, any_owner = owner == empty_member;
     if ((!any_key && !is_key(key)) || owner.empty() || (any_key && any_owner)) {
-      return tl::unexpected("line " + std::to_string(number) +
-                            " is not a key of 64 hexadecimal digits and its owner");
+      return tl::unexpected(
+          "line " + std::to_string(number) +
+          " must be a key of 64 hexadecimal digits, a blank and the owner of the key");
     }
     list.push_back({any_key ? "" : std::string(key), any_owner ? "" : std::string(owner)});
   }

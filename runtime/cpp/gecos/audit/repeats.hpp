@@ -62,7 +62,7 @@ class Repeats {
     Line line;  ///< its `request` becomes that of the first repetition
     Window window = Window::OneSecond;
     std::int64_t length = window_ms;  ///< of the window that began at the time of `line`
-    /// Returns the time at which the window of this event ends.
+    /// Returns the time at which `due` must check this event again.
     std::int64_t due() const;
   };
   /// Ends a window of the repeated event `run`: adds a line with the count to `lines` if the event

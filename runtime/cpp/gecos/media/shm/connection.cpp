@@ -134,7 +134,7 @@ tl::expected<std::uint64_t, SendProblem> ShmConnection::send_quietly(ByteView he
 
 void ShmConnection::wake_reader() {
   // Before a server has sent its Welcome message, the server may sleep but cannot publish that it
-  // sleeps. Therefore the client always wakes it.
+  // sleeps. Therefore the client always wakes the server.
   if (other_->known() && !writer_.reader_sleeps()) return;
   note_ring(*own_.control);
   other_->wake();

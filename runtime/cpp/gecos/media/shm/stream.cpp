@@ -34,8 +34,9 @@ void SharedStreamWriter::move_on() {
 
 std::unique_ptr<StreamWriter> make_shared_stream(std::size_t largest, std::size_t depth) {
   if (depth + 1 > StreamMemory::most_bytes / StreamMemory::slot_bytes(largest)) {
-    throw std::runtime_error(std::to_string(depth) + " samples of " + std::to_string(largest) +
-                             " bytes take more than 1 GiB; reduce the depth in its @qos");
+    throw std::runtime_error(
+        std::to_string(depth) + " samples of " + std::to_string(largest) +
+        " bytes take more than 1 GiB; reduce the depth in the @qos of the stream");
   }
   auto held = make_stream_memory(largest, depth);
   const StreamMemory memory{held->mapping.data(), largest, depth};
