@@ -29,7 +29,7 @@ def test_a_channel_that_is_impossible_is_refused_although_others_exist(
             lab.create(Lamp, "LAMP", in_=in_, out=out)
         assert str(refused.value) == (
             f"LAMP: QOS_UNAVAILABLE: LAMP ({'in' if in_ else 'out'}=lcm) cannot be reached over "
-            "lcm: its server does not offer this medium; use inproc, shm"
+            "lcm: the server does not offer this medium; use inproc, shm"
         )
 
 

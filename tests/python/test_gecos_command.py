@@ -324,8 +324,8 @@ def test_an_unknown_name_names_those_that_are_online(
 ) -> None:
     assert run(monkeypatch, "describe", "ROBOT") == 4
     assert capsys.readouterr().err == (
-        "gecos: ROBOT: NO_SERVER: no such object is online; start its server, or choose a "
-        "name that the broker knows: LAMP\n"
+        "gecos: ROBOT: NO_SERVER: no such object is online; start the object's server, "
+        "or choose a name that the broker knows: LAMP\n"
     )
 
 

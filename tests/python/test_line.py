@@ -83,7 +83,7 @@ def test_with_failover_a_proxy_without_a_better_medium_stays_and_says_why(lab: g
     assert (stays.degraded, stays.changes, stays.moved_from) == (True, 2, "")
     assert re.match(rf"^LAMP stays on {stays.medium}: LAMP no medium meets", stays.why), stays.why
     assert re.search(r"latency=1us: \w+ was measured at", stays.why), stays.why
-    assert f"{stays.medium}: the connection over it became too slow" in stays.why
+    assert f"{stays.medium}: the connection over this medium became too slow" in stays.why
     assert lamp.label().result() == "a lamp", "the session goes on"
 
 

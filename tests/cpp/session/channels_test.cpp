@@ -84,7 +84,7 @@ TEST_F(Channels, OfTheirOwnCarryNoStreamThatDemandsAStatus) {
   EXPECT_EQ(
       refused.error().text,
       "'level' of PROBE was not opened over the 'in' channel, shm: the stream demands a status, "
-      "but a status belongs to the session of the 'out' channel; create the proxy with one "
+      "but only the session of the 'out' channel can have a status; create the proxy with one "
       "medium for both directions");
 }
 

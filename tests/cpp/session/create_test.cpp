@@ -35,8 +35,8 @@ TEST_F(Create, TakesTheFirstThatIsThereAndSaysWhyNotTheOthers) {
   ASSERT_EQ(created->passed_over.attempts.size(), 1u);
   EXPECT_EQ(created->passed_over.attempts[0].name, "REAL");
   EXPECT_EQ(created->passed_over.attempts[0].reason,
-            "no object is called REAL; start its server, or choose a name that the broker knows: "
-            "SIM");
+            "no object is called REAL; start the object's server, or choose a name that the broker "
+            "knows: SIM");
 }
 
 TEST_F(Create, WaitsForAnObjectThatComesOnline) {
@@ -122,8 +122,9 @@ TEST_F(Create, SaysOfEachMediumWhyTheServerCannotBeReachedOverIt) {
   EXPECT_EQ(error.attempts[0].detail, Detail::NoServer);
   EXPECT_EQ(error.attempts[0].reason.rfind("DEAD cannot be reached (inproc:nowhere: ", 0), 0u)
       << error;
-  EXPECT_NE(error.attempts[0].reason.find("; shm: its server runs as ben; programs of other users "
-                                          "reach only servers of root and of gecos over shm)"),
+  EXPECT_NE(error.attempts[0].reason.find(
+                "; shm: the server of the object runs as ben; programs of other users "
+                "reach only servers of root and of gecos over shm)"),
             std::string::npos)
       << error;
 }
@@ -136,7 +137,7 @@ TEST_F(Create, FailsOverAMediumThatTheServerDoesNotOfferThoughOthersExist) {
   ASSERT_EQ(error.attempts.size(), 1u);
   EXPECT_EQ(error.attempts[0].detail, Detail::QosUnavailable);
   EXPECT_EQ(error.attempts[0].reason,
-            "PROBE cannot be reached over lcm: its server does not offer this medium; use "
+            "PROBE cannot be reached over lcm: the server does not offer this medium; use "
             "inproc");
 }
 
@@ -180,7 +181,8 @@ TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
             "with the same GECOS_RUNTIME_DIR)");
   entry.user = "ben";
   EXPECT_EQ(why(),
-            "cannot be reached (shm: its server runs as ben; programs of other users reach only "
+            "cannot be reached (shm: the server of the object runs as ben; programs of other users "
+            "reach only "
             "servers of root and of gecos over shm)");
   entry.host = "0" + runtime.host_identity();
   EXPECT_EQ(why(), "cannot be reached (shm: the object is on another host (robots))");

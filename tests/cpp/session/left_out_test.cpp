@@ -243,8 +243,8 @@ TEST_P(LeftOut, AreThoseAfterACommandThatWasNotSent) {
   for (auto& call : unanswered) call.fail(gecos::Fault::rejected("enough").failure());
   for (const auto& read : reads) EXPECT_EQ(read.wait(), gecos::State::CommandFailed);
   const auto later = probe_.step(2);
-  const std::string why = "was not sent, because a command that the same caller had issued before ";
-  expect_ended(later, Detail::Rejected, why + "it was not sent: QUEUE_FULL, ");
+  const std::string why = "was not sent, because an earlier command of the same caller ";
+  expect_ended(later, Detail::Rejected, why + "was not sent: QUEUE_FULL, ");
   EXPECT_EQ(probe_.step(3).get().value_or(0), 3) << "the program has seen it";
   EXPECT_EQ(unsent.get().error().detail, Detail::QueueFull);
 }

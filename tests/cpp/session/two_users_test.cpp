@@ -327,9 +327,11 @@ TEST_F(TwoUsersOfOneHost, AServerThatAdmitsWhoCannotReachItOverShmSaysSoOnceAndI
   EXPECT_EQ(logged.find(warning), logged.rfind(warning)) << logged;
   bin.line().say("reach");
   const std::string failed = bin.line().hear();
-  EXPECT_NE(failed.find("OWN cannot be reached (shm: its server runs as daemon; programs of other "
-                        "users reach only servers of root and of gecos over shm)"),
-            std::string::npos)
+  EXPECT_NE(
+      failed.find(
+          "OWN cannot be reached (shm: the server of the object runs as daemon; programs of other "
+          "users reach only servers of root and of gecos over shm)"),
+      std::string::npos)
       << failed;
   daemon.line().say("end");
   EXPECT_EQ(daemon.line().hear(), "ended");

@@ -273,5 +273,5 @@ def _instead_of(name: str, known: Sequence[str]) -> str:
     if near:
         return f"did you mean {by_lower[near[0]]}?"
     if not known:
-        return "start its server: the broker knows no object"
-    return f"start its server, or choose a name that the broker knows: {', '.join(known)}"
+        return "start the object's server: the broker knows no object"
+    return f"start the object's server, or choose a name that the broker knows: {', '.join(known)}"

@@ -12,12 +12,12 @@ namespace gecos::session {
 namespace {
 
 /// Returns advice for a program that asked for a name that the broker does not know. `names` are
-/// the names that it knows.
+/// the names that the broker knows.
 std::string advice(const std::vector<std::string>& names) {
   std::string text;
   for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  if (text.empty()) return "start its server: the broker knows no object";
-  return "start its server, or choose a name that the broker knows: " + text;
+  if (text.empty()) return "start the object's server: the broker knows no object";
+  return "start the object's server, or choose a name that the broker knows: " + text;
 }
 
 /// Converts a duration that a broker sent. Returns at most one minute, because a longer duration is

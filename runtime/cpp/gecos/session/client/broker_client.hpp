@@ -22,18 +22,19 @@ tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name, 
 std::optional<SilentObject> look_up_silent(Context& lab, const std::string& name,
                                            TimePoint deadline);
 
-/// Returns the objects online that have the interface or a derived one; all objects online if
-/// `interface_name` is empty. On failure returns why the broker gave no answer.
+/// Returns the objects online whose interface is `interface_name` or is derived from it. If
+/// `interface_name` is empty, returns all objects online. On failure returns why the broker gave no
+/// answer.
 tl::expected<std::vector<Entry>, std::string> query(Context& lab, const std::string& interface_name,
                                                     TimePoint deadline);
 /// Returns the changes of the broker's list after the revision `since`. If the broker is of an
-/// older version, the result is always its whole list, without the silent objects.
+/// older version, the result is always the broker's whole list, without the silent objects.
 tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevision& since,
                                                     TimePoint deadline);
 
 /// Registers the object `entry` with the broker until the session with the broker ends.
-/// `served_for`: how long the object has been served. `admitted`: whom the program of the server
-/// admits; no value: nobody else.
+/// `served_for`: how long the object has been served. `admitted`: the users and hosts that the
+/// program of the server admits; no value if the program admits no other users.
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,
                                              Duration served_for,
                                              const std::optional<AdmittedNames>& admitted = {});

@@ -112,8 +112,8 @@ void Lease::send_release(bool now) {
 }
 
 std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal) {
-  // If the server refused the request, prints only the text. The detail of a declared exception is
-  // FAULT, which would look like a broken server.
+  // If the server refused the request, prints only the text of the refusal. The detail FAULT, which
+  // every declared exception has, would make the reader look for a broken server.
   if (refusal.failure.as<StatusRefused>()) return out << refusal.failure.text;
   return out << refusal.failure;
 }

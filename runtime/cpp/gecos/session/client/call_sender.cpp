@@ -201,7 +201,7 @@ std::shared_ptr<PendingCommand> CallSender::arrived(std::uint64_t counter) {
   return *found;
 }
 
-// Packets that the maintenance thread sends
+// The functions below send packets on the maintenance thread.
 
 void CallSender::query_old_calls() {
   if (repeats_) return;
@@ -221,9 +221,9 @@ void CallSender::query_old_calls() {
 /// its outcome.
 TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
   const MutexLock lock(mutex_);
-  // If no call is open, the thread sleeps until the next heartbeat, so that idle clients cause few
-  // wake-ups. Over a medium that loses packets, it sleeps at most one retry interval, because
-  // another thread may send a call meanwhile.
+  // If no call is open, the maintenance thread sleeps until the next heartbeat, so that idle
+  // clients cause few wake-ups. Over a medium that loses packets, it sleeps at most one retry
+  // interval, because another thread may send a call meanwhile.
   if (calls_.size() == 0) return repeats_ ? std::min(next_beat, now + retry_after(1)) : next_beat;
   if (!repeats_ && !cancels_waiting_) return std::min(next_beat, now + longest_sleep);
   const TimePoint soon = now + Maintenance::tick;
@@ -276,8 +276,8 @@ std::optional<CallSender::Remains> CallSender::end(Ending how, const std::string
   lost_.store(true, std::memory_order_release);
   if (queued == Queued::Withdrawn && !withdrawal_.write(calls_.issued())) withdraw_by_packet();
   Remains remains;
-  // When the medium or the server reported the loss, failover now has the time `grace` to find
-  // another server. When the server fell silent, `grace` has already passed.
+  // When the medium or the server reported the loss of the session, failover has the time `grace`
+  // from now on to find another server. When the server fell silent, `grace` has already passed.
   if (how == Ending::Died || closed_by_server(how)) remains.repeatable = detach(how, text);
   remains.others = calls_.take_all();
   return remains;

@@ -42,10 +42,10 @@ class CallSender {
     return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
   }
   /// Sends `command` as a call with `header` and with the arguments of `size` bytes that `encode`
-  /// writes. Sets session, counter and acknowledgement in `header`, and for an actor command what
-  /// the program knows of earlier ones (SeenFailures). Fails with Full when `most` calls are open.
-  /// `attach_to`: the session, for a command that may be sent in several sessions; null for other
-  /// commands.
+  /// writes. Sets session, counter and acknowledgement in `header`. With an actor command, also
+  /// sends what the program knows of earlier commands (SeenFailures). Fails with Full when `most`
+  /// calls are open. `attach_to`: the session, for a command that may be sent in several sessions;
+  /// null for other commands.
   tl::expected<void, media::SendProblem> send(wire::PacketHeader& header, std::size_t most,
                                               std::size_t size,
                                               FunctionRef<void(wire::Encoder&)> encode,
@@ -71,7 +71,8 @@ class CallSender {
   /// the result is at most one round trip too early, never too late.
   TimePoint by_our_clock(TimePoint theirs);
 
-  // Functions for the thread that reads the connection.
+  // The thread that reads the connection calls the following functions.
+
   /// Must be called when a reply to the call `counter` arrives. Removes and returns the call; null
   /// when a reply to it has arrived before.
   std::shared_ptr<PendingCommand> take_replied(std::uint64_t counter);
@@ -79,7 +80,8 @@ class CallSender {
   /// the call. Returns the call; null when its reply has arrived before.
   std::shared_ptr<PendingCommand> arrived(std::uint64_t counter);
 
-  // Functions for the maintenance thread.
+  // The maintenance thread calls the following functions.
+
   /// Over a medium that loses packets, sends again the calls that are due. Over any medium, sends
   /// again each Cancel packet for which there was no room before. Returns when the next tick is
   /// due. `next_beat`: when the next heartbeat is due.
@@ -97,7 +99,7 @@ class CallSender {
   /// no room for the packet.
   bool say_goodbye();
 
-  /// The fate of the calls that the server has received but not started.
+  /// Says what happens to the calls that the server has received but not started.
   enum class Queued : std::uint8_t { Run, Withdrawn };
   /// The calls that were open when their session was lost.
   struct Remains {

@@ -17,9 +17,8 @@ Failure left_out_because_of(const std::string& why, std::string_view operation,
                             const std::string& object) {
   return {Detail::Rejected,
           "'" + std::string(operation) + "' of " + object +
-              " was not sent, because a command that the same caller had issued before it was not "
-              "sent: " +
-              why + ". Look at the outcome of a failed command before you issue the next one",
+              " was not sent, because an earlier command of the same caller was not sent: " + why +
+              ". Look at the outcome of a failed command before you issue the next one",
           {},
           {}};
 }
@@ -118,8 +117,8 @@ std::shared_ptr<CommandCore> ClientConnection::refuse(const OperationDescription
   return command;
 }
 
-/// Notes that `command`, which has @on_new("blend"), is not sent because of `failure`, so that
-/// later ones are left out until the program has seen that.
+/// Notes that `command`, which has @on_new("blend"), was not sent because of `failure`. Later
+/// commands with @on_new("blend") are then not sent either until the program has seen this failure.
 void ClientConnection::note_unsent(PendingCommand& command, const Failure& failure) {
   command.chain.place =
       calls_.failures()->not_sent(std::string(to_string(failure.detail)) + ", " + failure.text);
@@ -142,8 +141,8 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
         Detail::QosUnavailable,
         "'" + std::string(stream.name) + "' of " + object_name() +
             " was not opened over the 'in' channel, " + std::string(inbound_->capabilities().name) +
-            ": the stream demands a status, but a status belongs to the session of the 'out' "
-            "channel; create the proxy with one medium for both directions",
+            ": the stream demands a status, but only the session of the 'out' channel can have a "
+            "status; create the proxy with one medium for both directions",
         {},
         {}});
   }

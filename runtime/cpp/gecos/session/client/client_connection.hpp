@@ -86,8 +86,8 @@ class ClientConnection final : public ClientSession,
                      bool simulated) {
     refused_.check_quality(wanted, line, simulated);
   }
-  /// Makes `inbound`, another session with the same object, the one that receives the streams and
-  /// events. Must be called before the program receives the session.
+  /// From now on, the streams and events arrive over `inbound`, another session with the same
+  /// object. Must be called before the program receives the session.
   void receive_over(std::shared_ptr<ClientConnection> inbound) { inbound_ = std::move(inbound); }
   /// Returns a failure when this session must not use the operation or stream `name`; nullopt when
   /// it may. `outcome`: see RefusedOperations::why.
@@ -96,7 +96,8 @@ class ClientConnection final : public ClientSession,
     return refused_.why(code, name, welcome_, outcome);
   }
 
-  /// Ends the session because its connection no longer meets what the interface demands.
+  /// Ends the session because its connection no longer meets the quality that the interface
+  /// demands.
   void fail_degraded(const std::string& why) { end_.lose(Ending::Silent, why); }
 
   CallSender& calls() { return calls_; }
@@ -121,8 +122,8 @@ class ClientConnection final : public ClientSession,
   LeaseState leases_;
   CallSender calls_;
   SessionFailover failover_;
-  /// Declared before receiver_ and reader_, which call `end_`. The constructor of `end_` must not
-  /// use receiver_ and reader_, because they do not exist yet.
+  /// `end_` is declared before `receiver_` and `reader_`, because both call it. The constructor of
+  /// `end_` must therefore not use `receiver_` or `reader_`.
   SessionEnd end_;
   PacketReceiver receiver_;
   ConnectionReader reader_;

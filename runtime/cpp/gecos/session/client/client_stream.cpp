@@ -183,8 +183,8 @@ tl::expected<void, StreamEnd> ClientStream::next(Raw& into, TimePoint deadline,
   }
 }
 
-/// Waits for an unread sample until `deadline`, but not after the time at which the reader must be
-/// told that the stream missed its own deadline.
+/// Waits until `deadline` for an unread sample. The wait ends earlier when the deadline of the
+/// stream passes without a sample, because the reader must then be told.
 bool ClientStream::await_sample(FunctionRef<bool()> read, TimePoint deadline) {
   if (const TimePoint late_at = reception_->late_at(); late_at != TimePoint::max()) {
     const Duration left = late_at - session_->runtime().clock().since_boot();

@@ -43,7 +43,7 @@ class ClientStream final : public StreamCore {
   void stop_waiting();
 
  private:
-  /// Waits until `read` returns true, which has then stored a sample in `into`.
+  /// Calls `read` again and again until it returns true; `read` has then stored a sample in `into`.
   template <class Raw>
   tl::expected<void, StreamEnd> next(Raw& into, TimePoint deadline, FunctionRef<bool()> read);
   bool await_sample(FunctionRef<bool()> read, TimePoint deadline);

@@ -115,10 +115,11 @@ tl::expected<void, Failure> ClientWriter::send(std::size_t size,
                                         "(object) of gecos");
   }
   if (fed_ && fed_->session != number(header.session)) {
-    return not_sent(Detail::BadParameter,
-                    fed_->counter == 0
-                        ? "the command that the sample feeds was not sent"
-                        : "the command that the sample feeds belongs to another session");
+    if (fed_->counter != 0) {
+      return not_sent(Detail::BadParameter,
+                      "the command that the sample feeds belongs to another session");
+    }
+    return not_sent(Detail::BadParameter, "the command that the sample feeds was not sent");
   }
   const auto lent = writer_->lend(inward_header_size + size + measured_bytes);
   if (!lent) {

@@ -4,7 +4,7 @@
 
 namespace gecos::session {
 
-// Each tick costs a wake-up. To save one, a heartbeat that is due soon is already sent in this
+// Each tick wakes the thread. To save a tick, a heartbeat that is due soon is already sent in this
 // tick, unless the medium sends heartbeats as packets.
 ConnectionMaintenance::ConnectionMaintenance(const Runtime& runtime, Parts session)
     : heartbeat_(runtime.options().heartbeat),
@@ -46,9 +46,9 @@ void ConnectionMaintenance::judge_heartbeats(TimePoint now) {
 void ConnectionMaintenance::judge_answers() {
   if (session_.receiver.answer_lost()) {
     return session_.end.lose(Ending::Broken,
-                             "an answer of the server of " + who() + " was lost on its way, over " +
+                             "an answer of the server of " + who() + " was lost over " +
                                  std::string(session_.connection.capabilities().name) +
-                                 ", which loses no packets unless its shared memory is damaged");
+                                 ", which loses packets only if its shared memory is damaged");
   }
   switch (session_.server.judge_answers(session_.calls.open() != 0, session_.receiver.heard())) {
     case AnswerWatch::Verdict::Fine:

@@ -53,7 +53,7 @@ bool ConnectionReader::wait(const void* subject, FunctionRef<bool()> done, TimeP
     if (leader_lock_.try_take()) {
       const bool finished = lead(done, deadline);
       leader_lock_.drop();
-      // From now on the maintenance thread reads packets for the watchers.
+      // From now on the maintenance thread reads packets for the registered watchers.
       if (has_watchers()) runtime_.maintenance().wake();
       return finished;
     }
@@ -105,8 +105,8 @@ bool ConnectionReader::lead(FunctionRef<bool()> done, TimePoint deadline) {
 }
 
 /// If this client has many open calls and shares a core with its server, it leaves the core to the
-/// server for a while. Otherwise each single reply would wake this client, the client would take
-/// the core from the server each time, and all other clients would have to wait.
+/// server for a while. Otherwise each reply would wake this client, which would then take the core
+/// from the server while other clients wait for their replies.
 bool ConnectionReader::rest(FunctionRef<bool()> done, TimePoint deadline) {
   if (!spin_.gave_way()) return false;
   if (calls_.open() < calls_of_a_flood) return false;

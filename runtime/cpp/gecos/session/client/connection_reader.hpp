@@ -42,7 +42,8 @@ class ConnectionReader {
   void add_watcher();
   void remove_watcher() { watchers_.fetch_sub(1, std::memory_order_relaxed); }
 
-  // Called by the maintenance thread.
+  // The maintenance thread calls the following functions.
+
   /// Requests that the next `poll_once` that becomes the leader also asks the medium whether the
   /// connection is lost.
   void look_for_loss_soon() { loss_look_due_.store(true, std::memory_order_relaxed); }
@@ -52,14 +53,14 @@ class ConnectionReader {
   void watch(std::vector<pollfd>& into);
   /// Reads the packets that have arrived and gives up the lead, if `watch` took it.
   void unwatch();
-  /// Gives up the lead, if `watch` took it, without reading. For a session that is destroyed: the
-  /// maintenance thread no longer calls `unwatch`.
+  /// Gives up the lead, if `watch` took it, without reading. Must be called before the session is
+  /// destroyed, because the maintenance thread then no longer calls `unwatch`.
   void abandon_watch();
 
  private:
   bool has_watchers() const { return watchers_.load(std::memory_order_relaxed) > 0; }
 
-  // Called only by the thread that reads the connection.
+  // Only the thread that reads the connection may call the following functions.
   bool lead(FunctionRef<bool()> done, TimePoint deadline);
   std::size_t read_all();
   bool rest(FunctionRef<bool()> done, TimePoint deadline);

@@ -150,8 +150,8 @@ tl::expected<std::shared_ptr<ClientConnection>, NoBroker> Context::look_for_brok
     auto session = connect(*runtime_, address, BrokerInterface::description, deadline, &why);
     if (session) return *std::move(session);
     if (why == Detail::Refused) append(refused, session.error());
-    // Few programs contain their own broker. Therefore the message mentions such a broker only if
-    // its address was named.
+    // Most programs contain no broker. Therefore the message mentions a broker in this program only
+    // if the address of that broker was named.
     const bool expected = addresses.size() > 1 && address != named->address &&
                           why == Detail::NoServer && media::kind_of(address) == media::Kind::Inproc;
     if (!expected) append(tried, session.error());

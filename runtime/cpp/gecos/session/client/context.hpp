@@ -15,7 +15,7 @@ namespace gecos::session {
 class ClientConnection;
 class Failover;
 
-/// Why there is no session with a broker.
+/// Says why there is no session with a broker.
 struct NoBroker {
   std::string text;  ///< the addresses that were tried, and why each failed
   BrokerAnswer answer = BrokerAnswer::Other;
@@ -44,8 +44,9 @@ class Context : public std::enable_shared_from_this<Context> {
   void close(Duration patience);
 
  private:
-  /// Returns what the program says about the broker's place, else GECOS_BROKER, else the lab file.
-  /// Fails if the lab file cannot be used: it may name another broker than the one of this host.
+  /// Returns the place of the broker that the program names, or else the one in GECOS_BROKER, or
+  /// else the one in the lab file. Fails if the lab file cannot be used, because the lab file may
+  /// name a broker other than that of this host.
   tl::expected<access::LabBroker, std::string> named_broker(TimePoint deadline);
   /// Returns the addresses at which the broker `named` may answer. If a medium is not available to
   /// this program, adds the reason to `tried`.
@@ -87,9 +88,10 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
     Context& lab, const InterfaceDescription& wanted, const std::string& name,
     const CreateOptions& options);
 
-/// Opens another session with the object of `slow`, with the same server process, over the best
-/// medium other than the medium of `slow`. The measured latency of that medium must meet the bound
-/// of `slow`. Returns why it failed.
+/// Opens a second session with the object that `slow` is connected to, in the same server process,
+/// over the best medium other than that of `slow`. The measured latency over this medium must meet
+/// the bound of the latency that `slow` has. On failure returns why no such session could be
+/// opened.
 tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_elsewhere(
     Context& lab, ClientConnection& slow);
 

@@ -8,8 +8,8 @@
 
 namespace gecos::session {
 
-/// The way in which a session ends, as its client sees it. It decides the failure of the calls that
-/// have no reply: see Withdrawal.
+/// The way in which a session ended, as its client sees it. The ending decides how the calls
+/// without a reply fail: see Withdrawal.
 enum class Ending : std::uint8_t {
   Died,     ///< the medium reported that the server's process ended
   Closed,   ///< the server closed the session or its connection

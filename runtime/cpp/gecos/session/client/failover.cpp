@@ -20,7 +20,8 @@ constexpr Duration between_searches = std::chrono::milliseconds(30);
 /// searches for other servers.
 constexpr Duration longest_look = std::chrono::milliseconds(250);
 
-/// Programs in all languages show this text. In Python, a Lab without a variable ends at once.
+/// Programs in all languages show this text. In Python, a Lab that no variable refers to is
+/// destroyed at once.
 constexpr const char* no_lab =
     "the command is not sent again: its Lab is closed or no longer exists; keep the Lab in a "
     "variable as long as its proxies are used";
@@ -153,7 +154,8 @@ TimePoint Failover::on_tick(TimePoint now) {
 void Failover::run() {
   MutexLock lock(mutex_);
   while (!ended_) {
-    // Destroyed while the mutex is not held, because the end of a session takes a while.
+    // The search is destroyed while the mutex is not held, because the end of a session takes a
+    // while.
     std::vector<Search> done;
     const auto is_done = [](const Search& search) {
       return search.commands.empty() && (search.from->lost() || !search.from->unreachable());
@@ -181,7 +183,7 @@ void Failover::run() {
   }
 }
 
-/// Releases the mutex while the job runs and is destroyed.
+/// The mutex is released while the job runs and is destroyed.
 void Failover::run_job() {
   Job job = std::move(jobs_.front());
   jobs_.pop_front();

@@ -15,7 +15,8 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration pause_between_readings = std::chrono::milliseconds(25);
-/// The wait if the deadline has passed already: a search without patience reads the file, too.
+/// The shortest time-out of a reading. A search whose deadline has already passed reads the file,
+/// too.
 constexpr Duration shortest_reading = std::chrono::milliseconds(100);
 /// The wait if there is no deadline.
 constexpr Duration longest_reading = std::chrono::hours(1);
@@ -27,7 +28,8 @@ tl::unexpected<std::string> unusable(const std::string& why) {
 
 }  // namespace
 
-/// What the thread uses. It outlives the LabFileBroker while the file system does not answer.
+/// The data that the reading thread uses. It outlives the LabFileBroker if the file system does not
+/// answer, because the thread then still waits.
 struct LabFileBroker::Shared {
   explicit Shared(const LabFilePath& named) : path(named.path), must_exist(named.must_exist) {}
   void read() {
@@ -40,7 +42,7 @@ struct LabFileBroker::Shared {
   const std::string path;
   const bool must_exist;
   Mutex mutex;
-  /// no value while the file is being written
+  /// The text of the file; no value while the file is being written.
   std::optional<access::EditedLabFile::Text> text GECOS_GUARDED_BY(mutex);
 };
 

@@ -10,18 +10,18 @@
 
 namespace gecos::session {
 
-/// Reads where the lab file of this program says that the broker is. The file is read on a thread
-/// that exists during the reading; while the file system does not answer, the thread waits for it
-/// and the caller does not.
+/// Finds out from the lab file of this program where the broker is. The file is read on a thread of
+/// its own, so that the caller need not wait for a file system that does not answer.
 class LabFileBroker {
  public:
-  /// @param lab_file as LabOptions::lab_file
+  /// @param lab_file the path of the lab file, as in LabOptions::lab_file
   explicit LabFileBroker(const std::string& lab_file);
   ~LabFileBroker();
 
-  /// Reads the file. Waits until `deadline` at most, or 100 ms if that is later, also while the
-  /// file is being written. A file that does not exist, and that no setting names, says nothing. On
-  /// failure returns a sentence with the reason and the remedy.
+  /// Reads the lab file. Waits for the file system, and for a program that is writing the file, at
+  /// most until `deadline`; at most 100 ms if `deadline` is earlier. A missing file counts as an
+  /// empty one, unless a setting names the file. On failure returns a sentence with the reason and
+  /// the remedy.
   tl::expected<access::LabBroker, std::string> read(TimePoint deadline);
 
  private:

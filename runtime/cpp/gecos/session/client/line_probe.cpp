@@ -11,8 +11,8 @@
 namespace gecos::session {
 namespace {
 
-/// The longest step of the probe's clock. A longer step means that this process was suspended,
-/// which says nothing about the connection.
+/// The longest time that the probe's clock counts between two ticks. A longer time means that this
+/// process was suspended, which says nothing about the connection.
 constexpr Duration longest_step = std::chrono::milliseconds(300);
 
 std::string in_milliseconds(Duration duration) {
@@ -105,10 +105,13 @@ void LineProbe::note(qos::LatencyWatch::Change change) {
     state_.degraded = watch_->degraded();
     ++state_.changes;
     text = session_.object_name() + " over " + state_.medium + ": the round trip took " +
-           in_milliseconds(*state_.round_trip) +
-           (state_.degraded ? "; for one second it has exceeded latency="
-                            : ", again within latency=") +
-           in_milliseconds(state_.bound);
+           in_milliseconds(*state_.round_trip);
+    if (state_.degraded) {
+      text += "; for one second it has exceeded latency=";
+    } else {
+      text += ", again within latency=";
+    }
+    text += in_milliseconds(state_.bound);
     state_.why = text;
   }
   changed_.notify_all();

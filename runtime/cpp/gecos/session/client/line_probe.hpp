@@ -17,9 +17,9 @@ namespace gecos::session {
 class ClientConnection;
 class PendingCommand;
 
-/// Measures the round trip of one session by pings, if the interface demands a bound of the
-/// latency. When the round trip exceeds the bound, acts as `on_degraded` says. A session without a
-/// bound sends no pings. Thread-safe, except where said.
+/// Measures the round trip of one session by pings if the interface demands a bound of the latency.
+/// When the round trip exceeds the bound, acts as `on_degraded` says. A session without a bound
+/// sends no pings. Thread-safe, except for functions whose comments say otherwise.
 class LineProbe {
  public:
   explicit LineProbe(ClientConnection& session);
@@ -27,9 +27,9 @@ class LineProbe {
   LineProbe(const LineProbe&) = delete;
   LineProbe& operator=(const LineProbe&) = delete;
 
-  /// Sets the bound of the round trip; zero: none. `simulated`: whether the object is a simulated
-  /// device. Its delays do no harm and cause no warnings in the log. Must be called before other
-  /// threads know the session.
+  /// Sets the bound of the round trip; zero: no bound. `simulated`: whether the object is a
+  /// simulated device. Delays of a simulated device do no harm, so they cause no warnings in the
+  /// log. Must be called before other threads know the session.
   void bound_by(Duration bound, const InterfaceDescription& wanted, bool simulated);
   /// Measures the latency by pings, for at most `longest`. Blocks. Returns nullopt when the session
   /// is lost. Must not be called on the maintenance thread.
@@ -42,7 +42,7 @@ class LineProbe {
   LineState await_change(std::uint64_t changes, TimePoint deadline) const;
   /// Returns the level at which changes of the connection are logged.
   LogLevel log_level() const;
-  /// Returns how many pings this object has sent. These calls do not come from the program.
+  /// Returns how many pings this object has sent. The program has not issued these calls.
   std::uint64_t pings() const { return pings_.load(std::memory_order_relaxed); }
 
  private:
@@ -51,7 +51,7 @@ class LineProbe {
   void note(qos::LatencyWatch::Change change);
 
   ClientConnection& session_;
-  // Used by the maintenance thread, after bound_by().
+  // Only the maintenance thread uses the following members, after bound_by() was called.
   std::optional<qos::LatencyWatch> watch_;
   qos::OnDegraded on_degraded_ = qos::OnDegraded::Event;
   bool simulated_ = false;

@@ -69,7 +69,8 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> MovableSession::subscribe(
     const StreamDescription& stream) {
   const MutexLock subscribing(subscribing_);
   const auto session = current();
-  // A stream that never moves may come over a channel of its own.
+  // If the session stays on its medium, its streams may come over a second session, the 'in'
+  // channel.
   if (!must_stay_.empty()) return session->subscribe(stream);
   if (auto refused = session->refusal(stream.code, stream.name, "was not opened")) {
     return tl::unexpected(std::move(*refused));
@@ -181,7 +182,8 @@ TimePoint MovableSession::on_tick(TimePoint now) {
 }
 
 void MovableSession::search(Context& lab) {
-  // After a failover, this is often the last reference to the old session. Its end takes a while.
+  // After a failover, this is often the last reference to the old session, and the end of that
+  // session takes a while.
   const auto slow = current();
   const auto found = open_elsewhere(lab, *slow);
   if (!found) return stay(found.error().reason);
@@ -204,7 +206,8 @@ void MovableSession::stay(const std::string& why) {
   log(level, "client", text);
 }
 
-/// Subscribes to all open streams over `found`. Fails when one of them cannot be opened there.
+/// Subscribes over `found` to all open streams. Fails when one of these streams cannot be opened
+/// there.
 tl::expected<std::vector<MovableSession::Resumed>, Failure> MovableSession::resume_streams(
     ClientConnection& found) {
   std::vector<Resumed> resumed;
@@ -222,8 +225,8 @@ tl::expected<std::vector<MovableSession::Resumed>, Failure> MovableSession::resu
   return resumed;
 }
 
-/// Makes `found` the present session and reports the failover. Returns false, and does nothing,
-/// when the session must stay or need not move any more.
+/// Makes `found` the present session and reports the failover. If the session must stay on its
+/// medium or need not move any more, does nothing and returns false.
 bool MovableSession::move_to(const std::shared_ptr<ClientConnection>& found) {
   std::string text;
   LogLevel level{};

@@ -17,16 +17,15 @@
 namespace gecos::session {
 
 /// The session of a proxy whose interface has `@qos(on_degraded="failover")`. When its connection
-/// becomes degraded, opens another session with the same object over another medium that meets the
-/// quality. From then on it sends the calls there, and its streams go on there. Calls that were
-/// issued before end in the session in which they were issued, which stays open until then. While
-/// the program has a status or writes an inward stream, the session stays on its medium.
-/// Thread-safe.
+/// becomes degraded, it opens another session with the same object over another medium that meets
+/// the quality. From then on, the new session carries the calls and the streams. Calls that were
+/// issued before the change end in the old session, which stays open until then. While the program
+/// has a status or writes an inward stream, the session stays on its medium. Thread-safe.
 class MovableSession final : public ClientSession,
                              public TickTarget,
                              public std::enable_shared_from_this<MovableSession> {
  public:
-  /// `must_stay`: why the session may never move; empty when it may.
+  /// `must_stay`: why the session may never move to another medium; empty when it may.
   MovableSession(Context& lab, std::shared_ptr<ClientConnection> session, std::string must_stay);
 
   std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
@@ -52,12 +51,12 @@ class MovableSession final : public ClientSession,
   TimePoint on_tick(TimePoint now) override;
 
  private:
-  /// A stream, and the subscription in which it goes on.
+  /// A stream of the program, and its new subscription over another medium.
   struct Resumed {
     std::shared_ptr<MovableStream> stream;
     std::shared_ptr<ClientStream> core;
   };
-  /// The reports that are not changes of the present connection.
+  /// What this object reports in addition to the changes of the present connection.
   struct Report {
     std::uint64_t earlier = 0;  ///< all changes, without those of the present connection
     std::uint64_t at = 0;       ///< changes of the present connection before the last report
@@ -69,7 +68,8 @@ class MovableSession final : public ClientSession,
   LineState line_now() const GECOS_REQUIRES(mutex_);
   std::string why_stay() GECOS_REQUIRES(mutex_);
   std::string report_stay(const std::string& why) GECOS_REQUIRES(mutex_);
-  /// Looks for another medium, and moves to it. Blocks; called on the thread of the Failover.
+  /// Looks for another medium, and moves the session to that medium. Blocks; called on the thread
+  /// of the Failover.
   void search(Context& lab);
   void stay(const std::string& why);
   tl::expected<std::vector<Resumed>, Failure> resume_streams(ClientConnection& found)
@@ -81,14 +81,15 @@ class MovableSession final : public ClientSession,
   const std::string must_stay_;
   const std::shared_ptr<Failover> failover_;
 
-  /// Held while a stream is opened and while the streams move, so that each stream moves. Must be
-  /// locked before `mutex_`.
+  /// Held while a stream is opened and while the session moves to another medium, so that no stream
+  /// is left behind. Must be locked before `mutex_`.
   Mutex subscribing_;
   std::vector<std::weak_ptr<MovableStream>> streams_ GECOS_GUARDED_BY(subscribing_);
 
   mutable FutexMutex mutex_;
   std::shared_ptr<ClientConnection> current_ GECOS_GUARDED_BY(mutex_);
-  /// By medium. Callers keep references to the values.
+  /// The capabilities of each medium that was used. Callers keep references to the values, so no
+  /// value is ever removed.
   mutable std::map<std::string_view, media::Capabilities> capabilities_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t issued_before_ GECOS_GUARDED_BY(mutex_) = 0;  ///< calls in sessions that were left
   StatusUse status_ GECOS_GUARDED_BY(mutex_);
@@ -97,8 +98,9 @@ class MovableSession final : public ClientSession,
   Report report_ GECOS_GUARDED_BY(mutex_);
 };
 
-/// Returns the session for a proxy of the interface `wanted`: a MovableSession over `session` if
-/// the interface has `on_degraded="failover"` and the latency is bounded; otherwise `session`.
+/// Returns the session for a proxy of the interface `wanted`. If the interface has
+/// `on_degraded="failover"` and bounds the latency, this is a MovableSession that uses `session`;
+/// otherwise it is `session` itself.
 std::shared_ptr<ClientSession> with_failover(Context& lab,
                                              std::shared_ptr<ClientConnection> session,
                                              const InterfaceDescription& wanted);

@@ -17,8 +17,9 @@ void MovableStream::go_on_in(std::shared_ptr<ClientStream> core) {
   core->stop_waiting();
 }
 
-/// Makes `core` the stream from which the reader reads. The earlier one may be the last user of its
-/// session, whose end takes a while, so it is destroyed on the maintenance thread.
+/// Makes `core` the stream from which the reader reads. The previous stream is destroyed on the
+/// maintenance thread, because it may be the last user of its session, and the end of a session
+/// takes a while.
 void MovableStream::read_from(std::shared_ptr<ClientStream> core) {
   if (core == read_) return;
   read_.swap(core);
@@ -43,13 +44,13 @@ tl::expected<void, StreamEnd> MovableStream::lend_next(RawLent& into, TimePoint 
   return next_of(into.sequence, [&] { return read_->lend_next(into, deadline); });
 }
 
-/// `sequence`: the number of the sample that was read last. `read` waits for the next one.
+/// `sequence`: the number of the sample that was read last. `read` waits for the next sample.
 tl::expected<void, StreamEnd> MovableStream::next_of(
     const std::uint64_t& sequence, FunctionRef<tl::expected<void, StreamEnd>()> read) {
   for (;;) {
     const auto newest = core();
-    // Before the change, the reader takes the samples that have arrived over the old medium and
-    // that the new medium may not have.
+    // Before the reader changes to the new medium, it takes the samples that have arrived over the
+    // old medium, because the new medium may not have them.
     if (read_ != newest && sequence >= newest->opened_at()) read_from(newest);
     const auto got = read();
     if (got || read_ == core()) return got;

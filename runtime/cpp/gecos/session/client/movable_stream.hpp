@@ -12,9 +12,9 @@
 
 namespace gecos::session {
 
-/// A subscription through a session that may move to another medium. Its samples have the same
-/// numbers over all media, so the reader goes on after the sample that it has read last, gets no
-/// sample twice, and is told how many it has missed. Thread-safe as every StreamCore.
+/// A subscription through a session that may move to another medium. The samples have the same
+/// numbers over all media. So the reader continues after the last sample that it has read, gets no
+/// sample twice, and is told how many samples it has missed. Thread-safe like every StreamCore.
 class MovableStream final : public StreamCore {
  public:
   /// `session`: the session that moves this stream. The stream keeps it open.
@@ -28,8 +28,8 @@ class MovableStream final : public StreamCore {
 
   const StreamDescription& description() const { return stream_; }
   std::shared_ptr<ClientStream> core() const;
-  /// Makes the reader go on in `core`, which continues the present core(). Any thread may call
-  /// this function.
+  /// From now on the reader reads from `core`, a subscription to the same stream over another
+  /// medium. Any thread may call this function.
   void go_on_in(std::shared_ptr<ClientStream> core);
 
   bool latest(RawSample& into) override;

@@ -45,7 +45,7 @@ class NilSession final : public ClientSession {
  private:
   std::string of_object() const { return object_name_.empty() ? "" : " of " + object_name_; }
   Failure why(const std::string& what) const {
-    return {Detail::NoServer, what + " on a proxy " + reason_, {}, {}};
+    return {Detail::NoServer, what + " on " + reason_, {}, {}};
   }
 
   const std::string reason_;
@@ -77,15 +77,15 @@ Refused::Refused(std::string why) : core_(ended({Detail::BadParameter, std::move
 std::uint64_t Refused::count() { return refused_calls.load(std::memory_order_relaxed); }
 
 const std::shared_ptr<ClientSession>& nil_session() {
-  static const std::shared_ptr<ClientSession> nil =
-      std::make_shared<NilSession>("that refers to no object; get a proxy from Lab::create");
+  static const std::shared_ptr<ClientSession> nil = std::make_shared<NilSession>(
+      "a proxy that refers to no object; get a proxy from Lab::create");
   return nil;
 }
 
 std::shared_ptr<ClientSession> closed_session(const ClientSession& was) {
   return std::make_shared<NilSession>(
-      "whose Lab is closed; keep the Lab open while its proxies are used, or create a new Lab and "
-      "a new proxy",
+      "a proxy whose Lab is closed; keep the Lab open while its proxies are used, or create a new "
+      "Lab and a new proxy",
       was);
 }
 

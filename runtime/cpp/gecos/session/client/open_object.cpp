@@ -12,8 +12,8 @@ using Opened = tl::expected<std::shared_ptr<ClientConnection>, Attempt>;
 
 /// Maximum time for measuring the latency of one medium.
 constexpr Duration longest_measurement = std::chrono::seconds(2);
-/// Maximum time in which another medium must open a session and answer. It is short because the
-/// calls that wait for another server wait for the search.
+/// Maximum time in which another medium must open a session and answer. It is short because calls
+/// that wait for another server wait for this search.
 constexpr Duration longest_search = std::chrono::seconds(1);
 
 /// Returns the name of a channel for messages, such as "RX90 (in=lcm)"; only "RX90" when the
@@ -24,8 +24,8 @@ std::string channel_name(const std::string& object, std::string_view channel,
   return object + " (" + std::string(channel) + "=" + std::string(media::to_string(*named)) + ")";
 }
 
-/// Opens the session of one `create`, over the best medium that meets what the interface and the
-/// program demand.
+/// Opens the session of one `create`, over the best medium that meets the demands of the interface
+/// and of the program.
 class ObjectConnector {
  public:
   ObjectConnector(Context& lab, const InterfaceDescription& wanted, const Entry& entry,
@@ -81,8 +81,8 @@ class ObjectConnector {
     if (stricter) demanded.latency = options_.latency;
     return demanded;
   }
-  /// Returns the bound of the latency that LineProbe checks while the session is open; zero: no
-  /// bound.
+  /// Returns the bound of the latency that LineProbe checks while the session is open; zero if
+  /// there is no bound.
   Duration bound() const {
     const Duration of_interface = smallest_latency(wanted_);
     if (options_.latency <= Duration{}) return of_interface;

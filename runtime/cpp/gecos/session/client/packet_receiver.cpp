@@ -12,7 +12,7 @@ std::shared_ptr<PendingCommand> PacketReceiver::take(ByteView bytes) {
   switch (packet->header.kind) {
     case wire::PacketKind::Reply:
     case wire::PacketKind::Progress:
-      // no call has counter 0: the packet is damaged or malicious
+      // No call has the counter 0, so the packet is damaged or malicious.
       if (packet->header.counter == 0) return nullptr;
       if (packet->header.kind == wire::PacketKind::Reply) return take_reply(*packet);
       take_progress(*packet);
@@ -29,7 +29,7 @@ std::shared_ptr<PendingCommand> PacketReceiver::take(ByteView bytes) {
 std::shared_ptr<PendingCommand> PacketReceiver::take_reply(const wire::PacketView& packet) {
   auto command = calls_.take_replied(packet.header.counter);
   if (!command) return nullptr;  // the reply arrived before; this is a copy
-  // A reply has an epoch when the status of this client continues under a newer one.
+  // The server adds an epoch to a reply when this client keeps its status under a newer epoch.
   if (packet.header.epoch != Epoch{}) leases_.renewed(packet.header.epoch);
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
   // Over a medium that loses no packets, OUTCOME_UNKNOWN means that the server has answered this
@@ -40,11 +40,12 @@ std::shared_ptr<PendingCommand> PacketReceiver::take_reply(const wire::PacketVie
   } else {
     if (command->chain.failures) {
       command->chain.because_of = packet.header.acknowledged;
-      // The warning is about the command that failed, not about each one that was left out.
+      // Only the command that failed causes a warning. The later commands that the server left out
+      // because of this failure cause none.
       if (command->chain.because_of != 0) command->observe();
     } else if (detail == Detail::NotStarted) {
-      // The server may not know the operation of a call that it did not start. The end of this one
-      // binds no other.
+      // The server may not know the operation of a call that it did not start. Therefore the
+      // failure of this call does not keep later commands from being carried out.
       calls_.failures()->knows({true, packet.header.counter}, ChainReport::Known::Failure);
     }
     command->fail(failure_from(detail, packet.body));

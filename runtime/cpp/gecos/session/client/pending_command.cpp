@@ -216,7 +216,7 @@ void PendingCommand::fail(Failure failure) {
   });
 }
 
-// Moving a command to another session
+// The functions below move a command to another session.
 
 void PendingCommand::attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
                             std::uint64_t as) {

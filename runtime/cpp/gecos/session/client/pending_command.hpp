@@ -56,19 +56,21 @@ class PendingCommand final : public CommandCore {
     return project(detail_.load(std::memory_order_seq_cst)) != State::Running;
   }
 
-  /// True for an actor command: the server takes those of a session in the order of their issue.
+  /// Returns true for an actor command: the server takes the actor commands of a session in the
+  /// order in which they were issued.
   bool keeps_place() const { return keeps_place_; }
 
   // Called by the session of the command.
   void report(Detail detail, const ProgressBody& body);
   void finish(ByteView result);
   void fail(Failure failure);
-  std::uint64_t counter = 0;  ///< `counter`, `session_id` and `incarnation` are written before the
-                              ///< command is shared, or by attach()
+  // `counter`, `session_id` and `incarnation` are written before the command is shared, or by
+  // attach().
+  std::uint64_t counter = 0;
   std::uint64_t session_id = 0;
   std::uint64_t incarnation = 0;
-  std::uint64_t sent_as = 0;  ///< number of the call's packet on the connection; written before the
-                              ///< command is shared
+  /// The number of the call's packet on the connection. Written before the command is shared.
+  std::uint64_t sent_as = 0;
   /// The shared words that may contain the mark of this call (start_words.hpp). Written before the
   /// command is shared.
   std::uint8_t marked_words = 0;
@@ -80,13 +82,13 @@ class PendingCommand final : public CommandCore {
   /// session's CallSender, unless no session has the command.
   void detach() { home_.store(nullptr, std::memory_order_release); }
 
-  /// Set before the command is shared, for a command with @on_new("blend"): is told what the
-  /// program knows of the end of the command.
+  /// Data of a command with @on_new("blend"), set before the command is shared. `failures` is told
+  /// what the program knows of the end of the command.
   struct InChain {
     std::shared_ptr<SeenFailures> failures;
     SeenFailures::Place place{};
-    /// The counter of the failed command because of which this one was left out; 0 if it was not.
-    /// Written before the command is terminal.
+    /// The counter of an earlier, failed command because of which this command was left out; 0 if
+    /// this command was not left out. Written before the command is terminal.
     std::uint64_t because_of = 0;
   } chain;
 

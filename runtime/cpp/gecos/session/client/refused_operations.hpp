@@ -28,7 +28,7 @@ class RefusedOperations {
                      bool simulated);
 
   /// Returns why the operation or stream `name` is refused; nullopt if it may be used. `outcome`:
-  /// the part of the message that says what did not happen.
+  /// the words of the message that say what did not happen, for example "was not opened".
   std::optional<Failure> why(FunctionCode code, std::string_view name, const Welcome& server,
                              std::string_view outcome = "was not sent") const;
 

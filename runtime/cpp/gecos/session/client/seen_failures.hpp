@@ -14,24 +14,27 @@
 
 namespace gecos::session {
 
-/// What the program knows of the ends of the commands with @on_new("blend") of one session. When
-/// such a command does not succeed, the commands that the program issues before it knows of the
-/// failure are left out: the server leaves out those after a command that was sent, and this class
-/// those after a command that was not sent. Thread-safe, except where a function says more.
+/// Records which failures of the commands with @on_new("blend") of one session the program has
+/// seen. After a failure, the commands that the program issues before it has seen the failure are
+/// not carried out. If the failed command was sent, the server refuses these commands; if the
+/// failed command was not sent, this class does. Thread-safe, except where a function says
+/// otherwise.
 class SeenFailures {
  public:
   using Known = ChainReport::Known;
-  /// A command among those of its session that were sent, or among those that were not.
+  /// Identifies a command of the session by a number. The commands that were sent and those that
+  /// were not sent are numbered separately.
   struct Place {
     bool sent = true;
     std::uint64_t number = 0;  ///< of a sent command its counter
   };
 
-  /// Notes what the program knows of the command at `place`.
+  /// Notes what the program knows of the end of the command at `place`.
   void knows(const Place& place, Known known) {
     const MutexLock lock(mutex_);
     if (!place.sent) {
-      // A command that was left out is detached: the one that was not sent before it still counts.
+      // The program detaches a command that was left out. This does not mean that it has seen the
+      // earlier failure because of which the command was left out.
       if (known == Known::Detached && place.number != unsent_.number) return;
       return raise(seen_unsent_, place.number);
     }
@@ -40,19 +43,21 @@ class SeenFailures {
     if (std::ranges::find(unreported_, entry) == unreported_.end()) unreported_.push_back(entry);
     any_unreported_.store(true, std::memory_order_relaxed);
   }
-  /// Notes that the program has stopped the object, so that no earlier command counts.
+  /// Notes that the program has stopped the object, so that failures of earlier commands no longer
+  /// matter.
   void begins_alone() {
     alone_.store(true, std::memory_order_relaxed);
     raise(seen_unsent_, unsent_so_far_.load(std::memory_order_relaxed));
   }
-  /// Notes that the program has acquired the status at `epoch`, with which the server begins a
-  /// chain. An epoch that was noted already, of a status that the program had, changes nothing.
+  /// Notes that the program has acquired the status with the epoch `epoch`. Failures under an
+  /// earlier status no longer matter then. Does nothing if the status with this epoch was noted
+  /// before.
   void acquired(std::uint64_t epoch) {
     if (acquired_.exchange(epoch) == epoch) return;
     raise(seen_unsent_, unsent_so_far_.load(std::memory_order_relaxed));
   }
 
-  /// What the next Call packet with an actor command says.
+  /// What the next Call packet with an actor command reports to the server.
   struct Says {
     std::int8_t flags = 0;  ///< 0, `reports` or `stands_alone`
     ChainReport report;     ///< empty unless the flags are `reports`
@@ -65,7 +70,7 @@ class SeenFailures {
     return {reports,
             {{unreported_.begin(), unreported_.begin() + static_cast<std::ptrdiff_t>(count)}}};
   }
-  /// Notes that a command was sent that said `said`.
+  /// Notes that a command was sent, and that `said` was reported with it.
   void sent(const Says& said) {
     if (said.flags == 0) return;
     if (said.flags == stands_alone) alone_.store(false, std::memory_order_relaxed);
@@ -74,15 +79,15 @@ class SeenFailures {
     any_unreported_.store(!unreported_.empty(), std::memory_order_relaxed);
   }
 
-  /// Notes that a command was not sent because of `why`, and returns its place.
+  /// Notes that a command was not sent because of `why`. Returns the place of this command.
   Place not_sent(std::string why) {
     const MutexLock lock(mutex_);
     const std::uint64_t number = unsent_so_far_.fetch_add(1, std::memory_order_relaxed) + 1;
     if (!unseen()) unsent_ = {number, std::move(why)};
     return {false, number};
   }
-  /// Returns why the first command was not sent whose failure the program has not seen; nullopt if
-  /// there is none.
+  /// If a command was not sent and the program has not seen this failure, returns why the command
+  /// was not sent; otherwise nullopt. Of several such commands, the first one counts.
   std::optional<std::string> why_not_sent() const {
     const auto seen = seen_unsent_.load(std::memory_order_relaxed);
     if (unsent_so_far_.load(std::memory_order_relaxed) <= seen) return std::nullopt;

@@ -41,8 +41,9 @@ std::string out_of_shared_memory(Runtime& runtime, const Entry& entry, media::Ki
   if (const auto opened = runtime.medium(kind); !opened) return opened.error().text;
   const bool closed = !media::serves_all_users(entry.user);
   if (closed && !entry.user.empty() && entry.user != user_name(::geteuid())) {
-    return "its server runs as " + entry.user + "; programs of other users reach only " +
-           std::string(media::servers_of_all_users) + " over shm";
+    return "the server of the object runs as " + entry.user +
+           "; programs of other users reach only " + std::string(media::servers_of_all_users) +
+           " over shm";
   }
   return "the object is on this host, but in another runtime directory (" + address +
          "): for shm, both programs must run as one user with the same GECOS_RUNTIME_DIR";
@@ -63,7 +64,7 @@ std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
   return "this program does not know this medium";
 }
 
-/// The media that the server of an object offers: "inproc, shm".
+/// Returns the media that the server of the object `entry` offers, for example "inproc, shm".
 std::string offered(const Entry& entry) {
   std::string media;
   for (const auto& address : entry.addresses) {
@@ -72,7 +73,8 @@ std::string offered(const Entry& entry) {
   return media.empty() ? "none" : media;
 }
 
-/// Adds the medium of `address` and why it is not used to `media`: "shm: it is on another host".
+/// Appends to `media` the medium of `address` and the reason why it is not used, for example "shm:
+/// the object is on another host".
 void add_medium(std::string& media, const std::string& address, const std::string& why) {
   media += (media.empty() ? "" : "; ") + medium_of(address) + ": " + why;
 }
@@ -107,7 +109,7 @@ std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interfa
   };
   for (const auto* operation : interface.all_operations()) check(*operation);
   for (const auto* stream : interface.all_streams()) {
-    // A stream has the quality and the code of its getter.
+    // The stream of an attribute has the quality and the code of the attribute's getter.
     if (std::ranges::find(found, stream->code, &UnsuitedMember::code) == found.end())
       check(*stream);
   }
@@ -136,7 +138,7 @@ Selection::Selection(Runtime& runtime, const Entry& entry, const qos::Quality& d
     const auto kind = media::kind_of(address);
     if (only && kind && *kind != *only) continue;
     if (without && kind == without) {
-      pass_over(address, "the connection over it became too slow");
+      pass_over(address, "the connection over this medium became too slow");
     } else if (auto line = line_to(runtime, entry, address)) {
       routes_.push_back({address, *std::move(line)});
     } else {
@@ -172,7 +174,7 @@ void Selection::pass_over(const std::string& address, const std::string& why) {
 std::string Selection::why_none() const {
   if (routes_.empty()) {
     return "cannot be reached" + asked_for_ +
-           (passed_over_.empty() ? ": its server does not offer this medium; use " + offered_
+           (passed_over_.empty() ? ": the server does not offer this medium; use " + offered_
                                  : " (" + passed_over_ + ")");
   }
   const auto chosen = qos::choose(demanded_, lines_of(routes_));

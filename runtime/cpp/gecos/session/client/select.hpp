@@ -14,8 +14,8 @@ namespace gecos::session {
 /// Returns the promises of a session over a medium with these capabilities.
 qos::LineCapabilities line_of(const media::Capabilities& capabilities);
 
-/// Returns the quality that `asked` demands of a medium. A late packet does no harm in a simulated
-/// device, so that soft real time is enough for it, and its latency is not bounded.
+/// Returns the quality that a medium must have because of `asked`. For a simulated device, soft
+/// real time is enough and the latency is not bounded, because a late packet does no harm there.
 qos::Quality demanded_of(qos::Quality asked, bool simulated);
 
 /// Returns the smallest latency that `wanted` or one of its members demands with a real-time class;
@@ -58,8 +58,8 @@ class Selection {
   bool measured(const Route& route);
   /// Must be called when no session could be opened over `route`.
   void not_reached(const Route& route, const std::string& why);
-  /// Returns the media that can lead to another process and that are no routes, each with the
-  /// reason, for example "shm: the object is on another host (desk)".
+  /// Returns the media that can reach another process but are no routes to the object, each with
+  /// the reason, for example "shm: the object is on another host (desk)".
   const std::string& left_out() const { return left_out_; }
   /// Returns why no route is suitable: each medium with the terms that it violates.
   std::string why_none() const;

@@ -19,9 +19,9 @@ PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
 ServerWatch::ServerWatch(const LabOptions& options, const Clock& clock)
     : clock_(clock),
       // The clock counts at most `lease_ttl` of the time between two checks, because a longer time
-      // means that this process did not run. A smaller limit would delay the detection of a dead
-      // server on a busy machine. It is not necessary either, because all packets that have arrived
-      // are read before a check.
+      // means that this process did not run. A lower limit would delay the detection of a dead
+      // server on a busy machine. A lower limit is not necessary either, because all packets that
+      // have arrived are read before a check.
       liveness_clock_(clock.now(), options.lease_ttl),
       liveness_(bounds_of_server(options)),
       answers_(options.lease_ttl, 2 * (options.lease_ttl + options.grace), liveness_clock_.now()) {

@@ -47,9 +47,9 @@ void SessionEnd::close(Duration patience) {
 }
 
 void SessionEnd::lose(Ending how, const std::string& text) {
-  // The calls queued at the server still run if the server has acknowledged the goodbye. They also
-  // still run if this program does not wait for the acknowledgement: then a proxy was destroyed,
-  // and its commands are meant to continue.
+  // The calls that wait at the server still run if the server has acknowledged the goodbye. They
+  // also run if this program does not wait for the acknowledgement: in that case a proxy was
+  // destroyed, and its commands are meant to continue.
   const bool drains = how == Ending::ByUs && (receiver_.goodbye_heard() ||
                                               !awaits_goodbye_.load(std::memory_order_relaxed));
   auto remains =

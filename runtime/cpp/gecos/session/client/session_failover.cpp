@@ -35,7 +35,7 @@ std::shared_ptr<CommandCore> SessionFailover::call(const OperationDescription& o
   const Clock& clock = session_.runtime().clock();
   const Duration within = options.deadline.value_or(operation.quality.deadline);
   if (within.count() > 0) {
-    // a deadline that is centuries away counts as no deadline
+    // A deadline that is centuries away counts as no deadline.
     const TimePoint now = clock.since_boot();
     if (within < TimePoint::max() - now) again.deadline = now + within;
   }
@@ -67,9 +67,9 @@ tl::expected<void, media::SendProblem> SessionFailover::send(
     header.deadline =
         std::max(again.deadline - session_.runtime().clock().since_boot(), Duration{1});
   }
-  // A server process that was started anew takes the packet for a new call. The process that got
-  // the first attempt may know its outcome already, so the packet names the session and the counter
-  // of the first attempt.
+  // The server process that got the first attempt may know the outcome of the call, so the packet
+  // names the session and the counter of the first attempt. Any other server process takes the
+  // packet for a new call.
   const bool known = again.sessions != 0 && command->incarnation == session_.welcome().incarnation;
   if (known) header.flags = sent_again;
   CallSender& calls = session_.calls();

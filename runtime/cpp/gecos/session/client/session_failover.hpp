@@ -12,7 +12,7 @@ namespace gecos::session {
 
 /// The part of one session that takes part in failover. Sends `@idempotent` readings in such a way
 /// that another session can send them again when this session is lost. Knows the session that has
-/// replaced this session. Thread-safe, except `set`.
+/// replaced this one. All functions but `set` are thread-safe.
 class SessionFailover {
  public:
   explicit SessionFailover(ClientConnection& session) : session_(session) {}

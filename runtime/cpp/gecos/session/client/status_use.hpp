@@ -9,9 +9,9 @@
 
 namespace gecos::session {
 
-/// Knows from the calls of a program whether it has a status of an object or asks for one. A status
-/// counts from its request until the call that releases it has ended, so also while its commands
-/// drain. Not thread-safe.
+/// Knows from the calls of a program whether the program has a status of an object or asks for one.
+/// The status counts from the request for it until the call that releases it has ended, so also
+/// while its commands drain. Not thread-safe.
 class StatusUse {
  public:
   /// Returns whether calls of `operation` acquire or release a status. For these, begin() must be

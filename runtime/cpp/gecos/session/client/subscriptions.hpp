@@ -32,7 +32,7 @@ class Subscriptions {
 
   ClientConnection& session_;
   /// Held while a subscription is requested or ended, so that the end of one subscription does not
-  /// end another one to the same stream. Must be locked before the mutex of CallSender.
+  /// end another subscription to the same stream. Must be locked before the mutex of CallSender.
   Mutex mutex_;
   /// The number of subscriptions of each stream.
   std::map<FunctionCode, std::size_t> counts_ GECOS_GUARDED_BY(mutex_);

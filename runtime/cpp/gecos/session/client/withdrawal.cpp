@@ -17,7 +17,7 @@ Failure Withdrawal::failure_of(const PendingCommand& command, Ending how,
     return {Detail::NotStarted, text + "; this command was never sent", {}, {}};
   }
   if (!may_have_started(command, how)) {
-    return {Detail::NotStarted, text + " before it started this command", {}, {}};
+    return {Detail::NotStarted, text + "; the server had not started this command", {}, {}};
   }
   if (how == Ending::Died) {
     return {Detail::ServerCrashed,
@@ -31,7 +31,7 @@ Failure Withdrawal::failure_of(const PendingCommand& command, Ending how,
       Detail::OutcomeUnknown, text + "; whether the command was carried out is not known", {}, {}};
 }
 
-/// Returns false only when it is proved that the server has not started the call and never will.
+/// Returns false only when it is certain that the server has not started the call and never will.
 bool Withdrawal::may_have_started(const PendingCommand& command, Ending how) const {
   if (how == Ending::Broken) return true;  // the shared words of a broken server prove nothing
   if (written_ && command.marked_words != 0) {

@@ -17,7 +17,7 @@ class Writers {
   SessionId session() const { return session_; }
   /// Returns the epoch for the next sample; Epoch{} when the session has no status.
   Epoch epoch() const { return leases_.epoch(); }
-  /// Returns a new number for a stream that the session shares with its server.
+  /// Returns a new number, which identifies an inward stream of the session to the server.
   std::uint32_t new_id() { return ids_.fetch_add(1, std::memory_order_relaxed) + 1; }
   /// Counts a sample that the program has sent.
   void note_sample() { sent_.fetch_add(1, std::memory_order_relaxed); }
