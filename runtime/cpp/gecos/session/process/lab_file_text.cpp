@@ -29,7 +29,8 @@ constexpr std::size_t largest_file = 1 << 16;
 constexpr Duration settled_file = std::chrono::milliseconds(100);
 constexpr Duration settled_empty_file = std::chrono::seconds(1);
 
-/// Returns why no program may use the file with these attributes; an empty text when it may.
+/// Returns why no program may use a file with these attributes; an empty text when programs may use
+/// the file.
 std::string distrust(const struct stat& file, const std::string& path) {
   if (!S_ISREG(file.st_mode)) return "this is not a file";
   if (file.st_uid != 0 && file.st_uid != ::geteuid()) {
@@ -47,9 +48,8 @@ std::string distrust(const struct stat& file, const std::string& path) {
   return "";
 }
 
-/// Returns whether another program seems to be writing the file at the moment. Most editors empty a
-/// file before they write it, and a half-written file may be valid although its last rules are
-/// missing.
+/// Returns whether another program seems to be writing the file. Most editors empty a file before
+/// they write it, and a half-written file may be valid although its last rules are missing.
 bool is_being_written(const struct stat& file) {
   using std::chrono::system_clock;
   const auto changed = system_clock::time_point(std::chrono::duration_cast<system_clock::duration>(
@@ -58,9 +58,9 @@ bool is_being_written(const struct stat& file) {
   return std::chrono::abs(age) < (file.st_size == 0 ? settled_empty_file : settled_file);
 }
 
-/// Returns whether a program changed the file between two readings of its attributes. The times at
-/// which the attributes changed (ctime) are compared, too, because a program that copies a file
-/// together with its modification time cannot set them.
+/// Returns whether a program changed the file between two readings of its attributes. Also compares
+/// the times at which the attributes changed (ctime), because a program can set the modification
+/// time of a file, but not its ctime.
 bool was_changed(const struct stat& before, const struct stat& after) {
   const auto equal = [](const timespec& one, const timespec& other) {
     return one.tv_sec == other.tv_sec && one.tv_nsec == other.tv_nsec;
@@ -84,7 +84,7 @@ std::optional<EditedLabFile::Text> lab_file_text(const std::string& path, bool& 
   const auto failed = [&](const std::string& why) {
     return tl::unexpected(LabFileError{path, 0, "", why});
   };
-  // O_NONBLOCK: a named pipe must not block the program
+  // O_NONBLOCK: opening a named pipe must not block the program.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file && errno == ENOENT && !must_exist) return std::string();
   const bool no_descriptor = !file && (errno == EMFILE || errno == ENFILE);

@@ -11,16 +11,17 @@ struct LabFilePath {
   std::string path;
   bool must_exist = false;  ///< a setting names the file
 };
-/// Returns the path of the lab file of this program: the one that `option`, of
-/// LabOptions::lab_file, names, else GECOS_LAB_FILE, else /etc/gecos/lab.toml.
+/// Returns the path of the lab file of this program. `option`, the value of LabOptions::lab_file,
+/// names the file; if `option` is empty, GECOS_LAB_FILE names it; otherwise it is
+/// /etc/gecos/lab.toml.
 LabFilePath lab_file_path(const std::string& option);
 
 /// Reads the text of the lab file, and sets `must_exist` when the file exists. Returns an empty
 /// text if the file does not exist and need not exist. Returns an error if the file cannot be read,
 /// is larger than 64 KiB, belongs neither to root nor to the user of this process, or may be
-/// written by other users. Returns nullopt while the file is being written: it was changed within
-/// the last 100 ms or while it was read, or emptied within the last second. Blocks while the file
-/// system does not answer, so call this function on a FileThread.
+/// written by other users. Returns nullopt while a program seems to be writing the file: the file
+/// was changed within the last 100 ms or during the reading, or was emptied within the last second.
+/// Blocks while the file system does not answer, so call this function on a FileThread.
 std::optional<access::EditedLabFile::Text> lab_file_text(const std::string& path, bool& must_exist);
 
 }  // namespace gecos::session

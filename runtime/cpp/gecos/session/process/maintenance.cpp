@@ -106,8 +106,8 @@ void Maintenance::Shared::run() {
   std::vector<pollfd> descriptors;
   bool woken = true;
   for (;;) {
-    // Drain the event before the checks, so that a notification that comes during the checks is not
-    // lost.
+    // Drains the event before the checks, so that a notification that arrives during the checks is
+    // not lost.
     woken = event.drain() || woken;
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();

@@ -16,8 +16,8 @@ class TickTarget {
  public:
   virtual ~TickTarget() = default;
   /// Called on the maintenance thread. Must not block and must not run a user's handler. Returns
-  /// when the next tick is due. The next tick comes no sooner than `Maintenance::tick` later,
-  /// unless the thread is woken: then it comes at once, whatever this function returned.
+  /// when the next tick is due. The next tick comes no sooner than `Maintenance::tick` later. If
+  /// the thread is woken, the next tick comes at once, whatever this function returned.
   virtual TimePoint on_tick(TimePoint now) = 0;
   /// Called before `on_tick` when this process was suspended for the time `stood_still`. No call
   /// starts before this function has returned.

@@ -21,9 +21,9 @@ namespace {
 /// The runtimes of this process. Their sessions are closed in order when the process exits.
 class OpenRuntimes {
  public:
-  /// Returns the instance of this process. A forked child gets a new instance, because the threads
-  /// of the parent's runtimes do not exist in the child, and because the parent's mutex may be
-  /// locked for ever.
+  /// Returns the list of the runtimes of this process. A forked child gets a new list, because the
+  /// threads of the parent's runtimes do not exist in the child, and because the mutex of the
+  /// parent's list may stay locked for ever.
   static OpenRuntimes& instance() {
     static const CloseAtExit at_exit;
     OpenRuntimes* known = of_this_process_.load();
@@ -63,8 +63,8 @@ class OpenRuntimes {
   static inline std::atomic<OpenRuntimes*> of_this_process_{nullptr};
 
   const pid_t owner_ = getpid();
-  /// The list of the process that forked this one. It is not used; the pointer keeps it reachable,
-  /// so that leak checkers do not report it.
+  /// The list of the process that forked this process. The list is not used; the pointer keeps it
+  /// reachable, so that leak checkers do not report it.
   [[maybe_unused]] const OpenRuntimes* const of_parent_;
   Mutex mutex_;
   std::vector<std::weak_ptr<Runtime>> runtimes_ GECOS_GUARDED_BY(mutex_);
@@ -105,7 +105,8 @@ Runtime::~Runtime() = default;
 
 tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options, const Clock& clock,
                                                             media::WrapMedium wrap) {
-  // Called before a Lab exists, so that the sessions are closed after a static Lab is destroyed.
+  // This function is called before a Lab exists, so that the sessions are closed after a static Lab
+  // is destroyed.
   OpenRuntimes& open = OpenRuntimes::instance();
   try {
     auto runtime = std::make_shared<Runtime>(std::move(options), clock, std::move(wrap));

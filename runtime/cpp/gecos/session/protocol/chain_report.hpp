@@ -10,9 +10,9 @@
 
 namespace gecos::session {
 
-/// What a client reports with an actor command about earlier commands of its session, because its
-/// program knew it when it issued the command. The body of a Call packet with the flags `reports`
-/// begins with it.
+/// What a client tells the server, with an actor command, about earlier commands of the session:
+/// which of their ends the program knew when it issued the actor command. The body of a Call packet
+/// with the flags `reports` begins with a ChainReport.
 struct ChainReport {
   enum class Known : std::uint8_t {
     Failure = 1,   ///< the program has seen that the command did not succeed
@@ -24,7 +24,8 @@ struct ChainReport {
     Known known{};
     friend bool operator==(const Entry&, const Entry&) = default;
   };
-  /// The largest number of entries in a packet. The next command reports the others.
+  /// The largest number of entries in a packet. If there are more, the next command reports the
+  /// remaining ones.
   static constexpr std::size_t most = 255;
 
   std::vector<Entry> entries;

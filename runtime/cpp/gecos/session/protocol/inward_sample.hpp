@@ -17,13 +17,14 @@ namespace gecos::session {
 struct InwardHeader {
   SessionId session{};
   Epoch epoch{};  ///< of the status under which the client feeds the command
-  /// counter, in this session, of the command that the sample feeds; 0 when it feeds none
+  /// The counter, in this session, of the command that the sample feeds; 0 when the sample feeds no
+  /// command.
   std::uint64_t command = 0;
 
   friend bool operator==(const InwardHeader&, const InwardHeader&) = default;
 };
 
-/// A multiple of 8, so that a value in lent memory stays aligned.
+/// The size of the header is a multiple of 8, so that a value in lent memory stays aligned.
 inline constexpr std::size_t inward_header_size = 8 + 8 + 8;
 
 /// Writes `header` to the bytes directly before the value. These bytes may be memory that the

@@ -30,7 +30,8 @@ class PeerLiveness {
 
   /// Notes that the peer gave a sign of life other than a heartbeat.
   void heard(TimePoint now) { last_heard_ = now; }
-  /// Ignores the first `heartbeats` heartbeats of the peer: only later ones count as signs of life.
+  /// Ignores the first `heartbeats` heartbeats of the peer. Only later heartbeats count as signs of
+  /// life.
   void await_heartbeat_after(std::uint64_t heartbeats) { heartbeats_ = heartbeats; }
   /// Judges the peer at the time `now`. `heartbeats`: number of heartbeats received so far.
   Verdict check(std::uint64_t heartbeats, TimePoint now);

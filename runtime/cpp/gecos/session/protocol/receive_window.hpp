@@ -10,14 +10,15 @@
 
 namespace gecos::session {
 
-/// Records which counters of a session have arrived, so that no call runs twice.
+/// Records which counters of a session have arrived, so that no call is carried out twice.
 class ReceiveWindow {
  public:
   enum class Verdict : std::uint8_t {
     New,
     Seen,
-    Beyond,  ///< too far ahead of the first missing counter to be recorded; it counts as not
-             ///< arrived
+    /// The counter is too far ahead of the first missing counter to be recorded, so it counts as
+    /// not arrived.
+    Beyond,
   };
   /// Notes that `counter` arrived.
   Verdict arrived(std::uint64_t counter);
@@ -36,8 +37,9 @@ class ReceiveWindow {
 
   static constexpr std::size_t width = 1024;
   std::uint64_t cumulative_ack_ = 0;
-  std::bitset<width> later_;  ///< bit c % width: counter c has arrived; for cumulative_ack_ < c <=
-                              ///< cumulative_ack_ + width
+  /// Bit c % width: whether the counter c has arrived, for cumulative_ack_ < c <= cumulative_ack_ +
+  /// width.
+  std::bitset<width> later_;
 };
 
 /// Keeps replies, because the client may request them again when the medium has lost a packet or
@@ -58,8 +60,8 @@ class ReplyCache {
   void shrink();
 
  private:
-  static constexpr std::size_t most_replies = 512;  ///< greater than the number of calls that a
-                                                    ///< client may have in flight
+  /// This number is greater than the number of calls that a client may have in flight.
+  static constexpr std::size_t most_replies = 512;
   /// Room for two of the largest packets that a medium that loses packets can carry.
   static constexpr std::size_t most_bytes = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_lost = 64 * 1024;
