@@ -15,14 +15,15 @@
 namespace gecos::session {
 namespace {
 
-/// Maximum time for which `read` waits while the file is being written.
+/// Maximum time for which `read` waits while a program is writing the file.
 constexpr Duration longest_wait = std::chrono::seconds(3);
 constexpr Duration between_reads = std::chrono::milliseconds(25);
-/// A decision waits so long for the lab file. Afterwards the lists decide as they were read last.
+/// A decision waits at most this long for the lab file to be read. After this time, the decision
+/// uses the lists that were read last.
 constexpr Duration answer_within = std::chrono::milliseconds(250);
 
-/// Returns whether `peer` runs as the user of the server or as root. A peer whose user neither the
-/// kernel nor a key proves counts as the user of the server.
+/// Returns whether `peer` runs as the user of the server or as root. If neither the kernel nor a
+/// key proves the user of `peer`, the user of the server is assumed.
 bool is_of_server(const media::Peer& peer) {
   return peer.uid ? peer.uid == ::geteuid() || peer.uid == 0u : peer.user.empty();
 }
@@ -139,8 +140,9 @@ AccessControl::Judgement AccessControl::judge_visitor(const std::string& object,
   const Judgement refused{false, false, who, std::move(refusal)};
   const bool has_list = policy_.program || policy_.lab.objects.contains(object);
   if (!visitors_ || object != access::broker_object || has_list) return refused;
-  // A list counts only as long as the broker admits the user of its server in full, not as a
-  // visitor: otherwise users whom the lab file drops could admit each other.
+  // The program of a server may name visitors only while the broker admits the user of this server
+  // in full, not as a visitor. Otherwise users whom the lab file no longer names could admit each
+  // other.
   const auto shown = visitors_->book.object_of(who, [&](const access::ServerLife& one) {
     mutex_.assert_held();
     return one.own || policy_.decide(server, one.user, object).allowed();

@@ -20,14 +20,13 @@ namespace gecos::session {
 struct Visitors;
 
 /// Decides which users may connect to the objects of one server (access::AccessPolicy), by the lab
-/// file (LabFileReader) and the lists of the program. The lab file is read again for each client of
-/// another user than the server's own that connects, so that an edit acts on the next connection.
-/// No decision waits longer than 250 ms for the file; after that, the lists count as they were read
-/// last. Thread-safe.
+/// file (LabFileReader) and the lists of the program. The lab file is read again whenever a client
+/// of another user connects, so that an edit acts on the next connection. A decision waits at most
+/// 250 ms for the file; after that, it uses the lists that were read last. Thread-safe.
 class AccessControl {
  public:
-  /// @param lab_file as LabOptions::lab_file
-  /// @param contact whom the laboratory has revoked
+  /// @param lab_file the path of the lab file, as in LabOptions::lab_file
+  /// @param contact knows which users the laboratory has revoked
   AccessControl(const std::string& lab_file, Admission admission,
                 std::shared_ptr<const BrokerContact> contact);
 
@@ -35,24 +34,25 @@ class AccessControl {
   /// written after 3 s, when its file system does not answer for 3 s, or when the file has an error
   /// and no earlier text was correct.
   tl::expected<void, std::string> read();
-  /// Makes the lab file be read again, soon, because it may have been edited. Does not wait.
+  /// Requests that the lab file is read again soon, because it may have been edited. Does not wait.
   void reread() { file_.ask(); }
 
-  /// Returns the lists of the lab file as it was read last. Each reading makes new ones.
+  /// Returns the lists that were read last from the lab file. Each reading makes new lists.
   std::shared_ptr<const access::LabAccess> lists() const { return file_.lists(); }
-  /// Returns the zone in which the lab file, as it was read last, places an object; an empty text
-  /// for an object in no zone.
+  /// Returns the zone in which the lab file places an object; an empty text for an object in no
+  /// zone. Uses the lists that were read last.
   std::string zone_of(const std::string& object);
 
-  /// Admits these users and hosts. They replace the users and hosts of an earlier call.
+  /// Admits these users and hosts, and no longer those of an earlier call.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts);
 
-  /// Returns whom the program names and the lab file, as it was read last, admits to `object`, too
-  /// (AccessPolicy::named_by_program). Does not wait.
+  /// Returns the users whom both the program and the lab file admit to `object`
+  /// (AccessPolicy::named_by_program). Uses the lists that were read last, and does not wait.
   access::AllowList named_by_program(const std::string& object);
 
-  /// From now on receives at BROKER the visitors in this book, too. BROKER has no visitors while
-  /// the lab file has a list for it, or while its own program has called `allow`.
+  /// From now on admits the users in `visitors` to the object BROKER as visitors. There are no
+  /// visitors while the lab file has a list for BROKER, or while the broker's own program has
+  /// called `allow`.
   void receive(std::shared_ptr<const Visitors> visitors);
 
   /// The decision whether a client may connect to an object, and the rule that led to it.
@@ -68,29 +68,29 @@ class AccessControl {
   /// Decides about a client that connects. While the server is out of contact with the broker, no
   /// client whose key has an owner is admitted.
   Judgement judge(const std::string& object, const media::Peer& peer) noexcept;
-  /// Decides whether `peer` may stay connected to the object. Decides by the lab file as it was
-  /// read last, and does not wait.
+  /// Decides whether `peer` may stay connected to the object. Uses the lists that were read last,
+  /// and does not wait.
   Judgement judge_again(const std::string& object, const media::Peer& peer) noexcept {
     return judge_by_lists(object, peer);
   }
-  /// Returns who the client is; no value if it is a program of the server's user or of root, or if
-  /// neither the kernel nor a key names another user.
+  /// Returns the user and the host of the client. Returns no value if the client is a program of
+  /// the server's user or of root, or if neither the kernel nor a key names another user.
   std::optional<access::UserAtHost> other_user(const media::Peer& peer);
   /// Returns no value if the client may connect to the object with all rights of its status.
-  /// Returns the user of a visitor, and that of a client that is refused: such a client can do no
-  /// more than a visitor. Decides like `judge_again`.
+  /// Otherwise returns the client's user: the client is a visitor or is refused, and a refused
+  /// client may do no more than a visitor. Decides like `judge_again`.
   std::optional<access::UserAtHost> visitor(const std::string& object,
                                             const media::Peer& peer) noexcept;
-  /// Returns whether `peer` may end the status of other clients: it runs as the user of the server
-  /// or as root, or the lab file, as it was read last, names its user as an administrator. Does not
-  /// wait, because the caller holds the mutex of an object.
+  /// Returns whether `peer` may end the status of other clients. This holds if `peer` runs as the
+  /// user of the server or as root, or if the lab file names its user as an administrator. Uses the
+  /// lists that were read last and does not wait, because the caller holds the mutex of an object.
   bool administers(const media::Peer& peer) noexcept;
   /// Decides whether the server `peer` may register an object under `name` with the broker of this
-  /// process (access::may_register). While the lab file has an error, no server may register: the
-  /// file might bind the name to another server.
+  /// process (access::may_register). While the lab file has an error, no server may register,
+  /// because the corrected file might bind the name to another server.
   Judgement judge_registration(const std::string& name, const media::Peer& peer) noexcept;
-  /// Decides whether `peer` may report for `source`, such as a door contact of `zone`, that a
-  /// person is present (access::may_report). Uses the lab file as it was read last.
+  /// Decides whether `peer` may report for `source`, for example a door contact of `zone`, that a
+  /// person is present (access::may_report). Uses the lists that were read last.
   Judgement judge_report(const std::string& zone, const std::string& source,
                          const media::Peer& peer) noexcept;
 
@@ -98,11 +98,11 @@ class AccessControl {
   access::UserAtHost user_of(const media::Peer& peer, const std::string& host);
   Judgement judge_by_lists(const std::string& object, const media::Peer& peer) noexcept;
   /// Decides about a client that no list admits.
-  /// @param server the user of this server, and its host
+  /// @param server the user of this server, and the server's host
   Judgement judge_visitor(const std::string& object, const media::Peer& peer,
                           const access::UserAtHost& server, const access::UserAtHost& who,
                           std::string refusal) GECOS_REQUIRES(mutex_);
-  /// Returns the policy by the lab file as it was read last.
+  /// Returns the policy with the lists that were read last from the lab file.
   const access::AccessPolicy& policy() GECOS_REQUIRES(mutex_);
   std::string name_of(std::uint32_t uid);
   bool knows_revoked();  ///< whom the visitors' broker has revoked

@@ -26,7 +26,7 @@ class ActiveSessions {
   /// Adds `session` again, because the descriptor of its connection reported a packet. Returns
   /// false when its connection is polled already.
   bool wake(const Session& session);
-  /// Puts the connections to sleep that have been silent for a while.
+  /// Puts to sleep the connections that have been silent for a while.
   void retire_idle(TimePoint now);
   /// Puts all connections to sleep, except those on which a packet has arrived and those that are
   /// lost. Calls `part_if_lost` for the sessions of these connections. Returns true when all

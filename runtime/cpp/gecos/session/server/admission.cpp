@@ -30,8 +30,8 @@ Failure refused(Detail detail, const CallRequest& call, const AdmittingObject& o
           {}};
 }
 
-/// Returns an advice for a program that holds the status of the object in another session than the
-/// one of `call`; otherwise an empty text.
+/// If the program that sent `call` holds the status of the object in another session, returns
+/// advice for this program; otherwise an empty text.
 std::string through_other_proxy(const CallRequest& call, const access::LeaseTable& leases) {
   if (call.caller == nullptr) return {};
   const Caller& caller = *call.caller;

@@ -19,7 +19,7 @@ namespace gecos::session {
 /// an operation may start only while the broker confirms the name of the object (NameClaim).
 bool commands_the_object(const OperationDescription& operation);
 
-/// A call for which admission is requested.
+/// A call that is to be admitted.
 struct CallRequest {
   const OperationDescription& operation;
   SessionId session{};
@@ -28,7 +28,7 @@ struct CallRequest {
   const Caller* caller = nullptr;  ///< null: not known
 };
 
-/// The object that is called. `now`: the current time by the clock of the object's leases.
+/// The called object. `now`: the current time by the clock of the object's leases.
 struct AdmittingObject {
   std::string_view name;
   const access::LeaseTable& leases;
@@ -36,7 +36,7 @@ struct AdmittingObject {
 };
 
 /// Returns why `call` must not be queued; nullopt when it may be queued. Does not check the limits
-/// of the queue, which ObjectQueue::push checks. `closing`: the server is shutting down.
+/// of the queue, because ObjectQueue::push checks them. `closing`: the server is shutting down.
 std::optional<Failure> refusal_to_queue(const CallRequest& call, const AdmittingObject& object,
                                         const NameClaim& claim, const ObjectQueue& queue,
                                         bool closing);
@@ -50,24 +50,25 @@ struct CallerState {
   bool unheard = false;
 };
 
-/// Returns why a queued call must not start; nullopt when it may start. Checks the call again,
-/// because leases may have ended since the call was queued. `late`: the result of not_in_time() if
-/// the call must not start any more.
+/// Returns why a queued call must not start; nullopt when it may start. The call is checked again,
+/// because leases may have ended since it was queued. `late`: the result of not_in_time() if the
+/// call must not start any more.
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
                                         const CallerState& caller, std::optional<Failure> late);
 
-/// True when calls of `operation` need a person in the zone of the object.
+/// Returns true when calls of `operation` need a person in the zone of the object.
 bool needs_presence(const OperationDescription& operation);
 
-/// Returns why a call of `operation` must neither be queued nor start: it needs a person, and
-/// nobody is known to be present in the zone of `object`. Otherwise returns nullopt.
+/// If calls of `operation` need a person and nobody is known to be present in the zone of `object`,
+/// returns the failure of such a call: it must neither be queued nor start. Otherwise returns
+/// nullopt.
 std::optional<Failure> refusal_for_absence(const OperationDescription& operation,
                                            std::string_view object,
                                            const access::ObjectPresence& presence,
                                            TimePoint since_boot);
 
-/// Returns the failure of a call that did not start before its deadline, or if `missed_start`, not
-/// within the `start_by` of its operation.
+/// Returns the failure of a call that did not start in time: before its deadline or, if
+/// `missed_start` is true, within the `start_by` of its operation.
 Failure not_in_time(const OperationDescription& operation, bool missed_start);
 
 /// Converts `left`, the time until the deadline of a call, to the moment of the deadline. Returns

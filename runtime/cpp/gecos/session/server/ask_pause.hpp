@@ -9,8 +9,9 @@
 namespace gecos::session {
 
 /// The pause before a server asks the broker again: 200 ms. While the broker refuses the server,
-/// each pause is twice as long as the one before, up to 2 s, so that the server does not fill the
-/// audit of the broker, and is registered within about 2 s when an edit admits its user again.
+/// each pause is twice as long as the previous pause, up to 2 s, so that the server does not fill
+/// the audit of the broker. When an edit of the lab file admits the server's user again, the server
+/// is registered within about 2 s.
 class AskPause {
  public:
   static constexpr Duration shortest = std::chrono::milliseconds(200);

@@ -6,8 +6,9 @@
 namespace gecos::session {
 namespace {
 
-/// Returns the detail of the commands that are left out after an end as `cause`. NOT_STARTED stays
-/// NOT_STARTED, because it promises the caller that the command may be sent again.
+/// Returns the detail with which commands are left out after a command that ended with `cause`.
+/// NOT_STARTED stays NOT_STARTED, because it promises the caller that the command may be sent
+/// again.
 Detail detail_after(Detail cause) {
   return cause == Detail::Canceled || cause == Detail::NotStarted ? cause : Detail::Rejected;
 }
@@ -24,7 +25,8 @@ Failure failure_after(const BlendChain::Failed& failed, const std::string& what)
           {}};
 }
 
-/// Returns whether a command that is canceled may end so: it may pass its deadline while it brakes.
+/// Returns whether `detail` may be the end of a command that was canceled. A canceled command may
+/// end as TIMED_OUT, because its deadline may pass while it brakes.
 bool ends_a_cancel(Detail detail) {
   return detail == Detail::Canceled || detail == Detail::TimedOut;
 }
@@ -51,7 +53,8 @@ void BlendChain::arrived(const Arrival& command, const ChainReport& known) {
   for (const ChainReport::Entry& entry : known.entries) note(entry, command.counter);
 }
 
-/// Notes what the program knew when it issued the command `from`.
+/// Notes what `entry` says about an earlier command. The program knew this when it issued the
+/// command `from`.
 void BlendChain::note(const ChainReport::Entry& entry, std::uint64_t from) {
   if (Unseen* const failure = find(entry.counter)) {
     learn(*failure, entry.known, from);
@@ -61,7 +64,7 @@ void BlendChain::note(const ChainReport::Entry& entry, std::uint64_t from) {
   }
 }
 
-/// Notes that the program knew `known` when it issued the command `from`.
+/// Notes what the program knew of `failure` when it issued the command `from`.
 void BlendChain::learn(Unseen& failure, ChainReport::Known known, std::uint64_t from) {
   std::uint64_t& since = known == ChainReport::Known::Failure    ? failure.seen_from
                          : known == ChainReport::Known::Canceled ? failure.canceled_from
@@ -75,7 +78,8 @@ BlendChain::Unseen* BlendChain::find(std::uint64_t counter) {
   return at == failures_.end() ? nullptr : &*at;
 }
 
-/// From the command `counter` on, no command before it counts.
+/// For the command `counter` and later commands, failures of commands before `counter` no longer
+/// matter.
 void BlendChain::begin_at(std::uint64_t counter) {
   begin_ = counter;
   for (Unseen& failure : failures_) {
@@ -106,8 +110,9 @@ void BlendChain::forget(std::uint64_t counter) {
   std::erase_if(expected_, [&](const Expected& one) { return one.counter == counter; });
 }
 
-/// Drops a failure that the program knows, and those that it covers. It matters only for commands
-/// that were issued before, and these were left out when the failure was noted.
+/// Drops a failure that the program knows, and the later failures that this failure covers. They
+/// mattered only for commands that were issued before the program knew the failure, and these
+/// commands were left out when the failure was noted.
 void BlendChain::drop_known() {
   const auto known = std::ranges::find_if(
       failures_, [](const Unseen& failure) { return failure.known_from() != never; });
@@ -123,7 +128,8 @@ std::optional<BlendChain::LeftOut> BlendChain::left_out(std::uint64_t counter,
                                                         const std::string& what) const {
   std::uint64_t covered = 0;  // failures of commands before this one bind no other
   for (const Unseen& failure : failures_) {
-    // A program that knows the earlier failure may go on.
+    // This failure is covered: it belongs to a command that was left out because of an earlier
+    // failure, and the program has continued although it knew the earlier failure.
     if (failure.failed.counter < covered) continue;
     if (failure.failed.counter < counter && counter < failure.known_from()) {
       return LeftOut{failure.failed.counter, failure_after(failure.failed, what)};

@@ -12,41 +12,43 @@
 
 namespace gecos::session {
 
-/// Decides which commands with @on_new("blend") of one session are left out because an earlier one
-/// did not succeed.
+/// Decides which commands with @on_new("blend") of one session are left out because an earlier
+/// command did not succeed.
 ///
-/// When such a command does not succeed, the later ones of its client are not carried out: an arm
-/// would go to their goals on a path that nobody asked for and that nobody checked. This includes
-/// commands that arrive after the failure. A command is carried out only if its program, when it
-/// issued the command, knew each failure before it. The client reports what its program knows with
-/// the command (ChainReport). Under a newly acquired status nothing earlier counts. Reads no clock
-/// and knows no thread.
+/// When such a command does not succeed, the later commands of its client are not carried out.
+/// Otherwise an arm would move to their goals on a path that nobody asked for and nobody checked.
+/// This applies also to commands that arrive after the failure. A command is carried out only if
+/// the program knew every earlier failure when it issued the command; with the command, the client
+/// reports what the program knew (ChainReport). Failures under an earlier status do not matter
+/// after the session has acquired the status anew. Reads no clock. Not thread-safe.
 class BlendChain {
  public:
-  /// A command that did not succeed, and was not left out because of another one.
+  /// A command that did not succeed and that was not left out because of another command.
   struct Failed {
     std::uint64_t counter = 0;
     std::string operation;  ///< for example "move"
     Detail detail{};
     std::string text;
   };
-  /// A command that is left out, and the counter of the failed command that is the reason.
+  /// A command that is left out, and the counter of the failed command because of which it is left
+  /// out.
   struct LeftOut {
     std::uint64_t because_of = 0;
     Failure failure;
   };
 
-  /// An actor command that arrives, as its client sent it.
+  /// An actor command that has arrived, as its client sent it.
   struct Arrival {
     std::uint64_t counter = 0;
-    /// The epoch at which the session acquired the status of the command; 0 if the command has an
-    /// earlier status, or none.
+    /// The epoch at which the session acquired the status under which the command was issued; 0 if
+    /// the session has no status or if the command was issued under an earlier status.
     std::uint64_t held_from = 0;
-    /// The client has stopped the object before: no earlier command counts.
+    /// The client has stopped the object before this command, so failures of earlier commands do
+    /// not matter for it.
     bool stands_alone = false;
   };
-  /// Notes an arrival, with what the client reports. Must be called for the actor commands of the
-  /// session in the order in which the client issued them.
+  /// Notes that `command` has arrived, and what the client reports with it in `known`. Must be
+  /// called for the actor commands of the session in the order in which the client issued them.
   void arrived(const Arrival& command, const ChainReport& known);
   /// Notes that the command `failed` did not succeed.
   void failed(Failed failed);
@@ -54,7 +56,7 @@ class BlendChain {
   void succeeded(std::uint64_t counter) {
     if (!expected_.empty()) forget(counter);
   }
-  /// Returns whether a failure is noted, so that `left_out` may return one.
+  /// Returns whether a failure is noted. If none is noted, `left_out` always returns nullopt.
   bool broken() const { return !failures_.empty(); }
   /// Returns why the command `counter` is left out; nullopt if it may be carried out. `what` names
   /// the command, for example "'move' of RX90".
@@ -66,20 +68,22 @@ class BlendChain {
 
   struct Unseen {
     Failed failed;
-    // The first command that was issued when the program had seen the failure, had canceled the
-    // command, or had detached it.
+    // Each of the following members is the first command that the program issued after something:
+    // after it had seen the failure, had canceled the failed command, or had detached the failed
+    // command.
     std::uint64_t seen_from = never, canceled_from = never, detached_from = never;
 
-    /// Returns the first command that was issued when the program knew the failure.
+    /// Returns the first command that the program issued when it knew the failure.
     std::uint64_t known_from() const;
-    /// Returns the first command that was issued when the program went on in view of the failure.
+    /// Returns the first command that the program issued although it knew the failure, so that it
+    /// has decided to continue.
     std::uint64_t went_on_from() const;
-    /// Returns the first command before which other failures do not count, because those commands
-    /// would have been left out because of this one.
+    /// Returns the first command whose own failure matters in addition to this failure. Earlier
+    /// commands would have been left out because of this failure.
     std::uint64_t covers_up_to() const;
   };
-  /// The program knows the end that this command will have. One of a command that had an end before
-  /// is never needed.
+  /// What the program reported about a command that has not failed so far: the program has canceled
+  /// or detached the command. When the command ends, this report is no longer needed.
   struct Expected {
     std::uint64_t counter = 0;
     ChainReport::Known known{};

@@ -17,34 +17,40 @@ namespace gecos::session {
 
 class ClientConnection;
 
-/// Whom the laboratory has revoked, as the broker tells a server once a second, and whether the
-/// server knows this list as it is now. A server that had no answer for `known_for` may have missed
-/// a revocation: it is out of contact.
+/// Knows which users the laboratory has revoked. A server asks the broker for this list once a
+/// second. A server that got no answer for the time `known_for` may have missed a revocation: it is
+/// out of contact.
 ///
-/// A server that has no broker, as that of the broker itself, is never out of contact. Thread-safe.
+/// A server without a broker, such as the server of the broker itself, is never out of contact.
+/// Thread-safe.
 class BrokerContact {
  public:
-  /// The time for which an answer counts. Shorter than the 5 s within which a revocation acts.
+  /// The time for which an answer counts. It is shorter than the 5 s within which a revocation must
+  /// act.
   static constexpr Duration known_for = std::chrono::seconds(3);
 
   explicit BrokerContact(const Clock& clock) : clock_(clock) {}
 
-  /// Asks `broker`, unless an answer still counts, and waits for the answer until `deadline`. Must
-  /// be called before objects are registered with `broker`.
+  /// Asks `broker` which users are revoked, and waits for the answer until `deadline`. Does nothing
+  /// while an earlier answer still counts. Must be called before objects are registered with
+  /// `broker`.
   void renew(ClientConnection& broker, TimePoint deadline);
-  /// Asks `broker` once a second; null if there is none at the moment. Never waits.
+  /// Asks `broker` once a second which users are revoked. `broker`: null while no broker is known.
+  /// Never waits.
   void on_tick(const std::shared_ptr<ClientConnection>& broker);
 
   /// Returns whether the laboratory has revoked a client; see access::revokes.
   bool revokes(std::string_view key, const access::UserAtHost& who) const;
-  /// Returns since when the server has been out of contact, in words; an empty text if it is not.
+  /// Returns a text that says since when the server has been out of contact; an empty text if the
+  /// server is in contact.
   std::string out_of_contact() const;
 
-  /// Takes an answer to a question that was asked at `asked`, by Clock::since_boot. `list`: the new
-  /// list; no value if the broker has the one that this server knows.
+  /// Takes the broker's answer to a question that was asked at `asked`, a time of
+  /// Clock::since_boot. `list`: the new list; no value if the list that this server knows is still
+  /// the list of the broker.
   void take(TimePoint asked, std::uint64_t number,
             std::optional<std::vector<access::RevokedUser>> list);
-  /// From now on the server needs the answers of a broker.
+  /// From now on, the server is out of contact when no broker answers.
   void need();
 
  private:
@@ -58,11 +64,11 @@ class BrokerContact {
   const Clock& clock_;
   mutable Mutex mutex_;
   bool needed_ GECOS_GUARDED_BY(mutex_) = false;
-  /// When the last question that was answered was asked; no value before the first answer.
+  /// The time at which the newest answered question was asked; no value before the first answer.
   std::optional<TimePoint> known_at_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t number_ GECOS_GUARDED_BY(mutex_) = 0;
   std::vector<access::RevokedUser> list_ GECOS_GUARDED_BY(mutex_);
-  // Used by the maintenance thread only.
+  // Only the maintenance thread uses the following members.
   std::optional<Question> open_;
   TimePoint next_{};
 };

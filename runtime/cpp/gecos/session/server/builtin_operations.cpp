@@ -180,7 +180,7 @@ void BuiltinOperations::break_status(ServerSession& by, std::uint64_t counter, B
 }
 
 /// A stop takes effect at once even if handlers hang, because it changes only the leases, the queue
-/// and the interrupt flags.
+/// and the interrupt flags of the handlers.
 void BuiltinOperations::stop(ServerSession& by, std::uint64_t counter) {
   const std::string why = "stopped by " + who(by.caller());
   log_info("server", setup_.name + ": " + why);

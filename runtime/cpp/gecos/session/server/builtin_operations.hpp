@@ -44,7 +44,7 @@ class BuiltinOperations {
   void release(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void take_over(ServerSession& session, std::uint64_t counter);
   void give_back(ServerSession& session, std::uint64_t counter);
-  /// Refuses the operation `asked` of a client that may not use it, and records this.
+  /// Refuses a client that may not use the operation `asked`, and records the refusal in the audit.
   void refuse(ServerSession& session, std::uint64_t counter, const OperationDescription& asked,
               const std::string& why);
   void requests(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
@@ -58,8 +58,8 @@ class BuiltinOperations {
             ByteView arguments);
   void end_feed(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void feed_report(ServerSession& session, std::uint64_t counter, ByteView arguments);
-  /// Returns the port of the inward stream with this code. Without one, answers the call and
-  /// returns null.
+  /// Returns the port of the inward stream with this code. If the object has no such stream,
+  /// replies to the call with a failure and returns null.
   InwardPort* inward_port(ServerSession& session, std::uint64_t counter, FunctionCode code);
 
   const ObjectSetup& setup_;

@@ -19,7 +19,7 @@ void CallRunner::run_ready(Starter starter, std::shared_ptr<ServerCall> started)
   auto call = started ? std::move(started) : next();
   while (call) {
     if (starter == Starter::Other || object_.setup.runs_long(call->operation())) {
-      // `call` keeps its object alive, and with it this CallRunner.
+      // `call` keeps its object alive, and the object owns this CallRunner.
       const bool posted = executor_.post([this, call] {
         run_ready(Starter::Worker, begins(*call) ? execute(call, Starter::Worker) : nullptr);
       });
@@ -88,9 +88,9 @@ void CallRunner::not_begun(ServerCall& call) {
 
 // Pauses of this process
 
-/// Waits until every pause is judged. Returns the moment (CLOCK_BOOTTIME) at which no unjudged
-/// pause was found. The mutex is held from that moment on, so the caller may mark a call as started
-/// at that moment.
+/// Waits until every pause of this process is judged. Returns the moment (CLOCK_BOOTTIME) at which
+/// no unjudged pause was found. The mutex is held from that moment on, so the caller may mark a
+/// call as started at that moment.
 TimePoint CallRunner::await_judgement() {
   const ObjectSetup& setup = object_.setup;
   for (;;) {
@@ -101,8 +101,9 @@ TimePoint CallRunner::await_judgement() {
   }
 }
 
-/// Waits until the current pause, if any, is judged. ObjectHost::after_pause() then decides how a
-/// command that ran during the pause ends, even when its handler answers right after the pause.
+/// Waits until the current pause of this process, if there is one, is judged.
+/// ObjectHost::after_pause() then decides how a command that ran during the pause ends, even when
+/// the handler answers right after the pause.
 void CallRunner::let_pause_be_judged(const ServerCall& call) {
   const ObjectSetup& setup = object_.setup;
   if (!setup.runs_long(call.operation()) || call.lane != CallLane::Actor) return;

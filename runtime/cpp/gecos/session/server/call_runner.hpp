@@ -22,7 +22,8 @@ class CallRunner {
   /// @pre the object is closed; the caller is not a handler
   void join() { executor_.join(); }
 
-  // Functions for handlers.
+  // Handlers call the following functions.
+
   /// Marks `call` as started. A servant that runs its handlers outside gecos_dispatch must call
   /// begin() directly before a handler begins. Returns false when the call has ended or may not
   /// start. Then the handler must not begin.

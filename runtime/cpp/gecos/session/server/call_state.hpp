@@ -79,7 +79,8 @@ class CallState {
   /// Returns true when the call has a deadline or a latest start, so that it ends even if it never
   /// starts.
   bool has_deadline() const { return std::min(deadline_, start_by_) != TimePoint::max(); }
-  /// Returns true when the deadline has passed, or the latest start of a call that has not begun.
+  /// Returns true when the deadline has passed, or when a call that has not begun has missed its
+  /// latest start.
   bool overdue(TimePoint since_boot) const {
     return (deadline_ != TimePoint::max() && since_boot >= deadline_) || misses_start(since_boot);
   }

@@ -11,13 +11,13 @@
 
 namespace gecos::session {
 
-/// The audit of the connections of all users except the user of the server: who was admitted or
-/// refused, and by which rule. At a broker, also the servers that were not allowed to register an
-/// object. Thread-safe.
+/// The audit of connections. Records which users other than the user of the server were admitted or
+/// refused, and by which rule. For a broker, also records which servers were not allowed to
+/// register an object. Thread-safe.
 ///
-/// A user can connect again and again, whether admitted or not. Therefore the refusals of one user
-/// at one object, for one reason, and the admissions of one visitor share lines, whatever the
-/// client does: about one a minute (audit::SharedLines).
+/// A user can connect again and again, whether admitted or not. Therefore the number of lines is
+/// limited to about one a minute (audit::SharedLines) for the refusals of one user at one object
+/// for one reason, and for the admissions of one visitor.
 class ConnectionAudit {
  public:
   /// `now`: the time of the lines, as audit::now.
@@ -27,15 +27,15 @@ class ConnectionAudit {
   ConnectionAudit(const ConnectionAudit&) = delete;
   ConnectionAudit& operator=(const ConnectionAudit&) = delete;
 
-  /// Records the judgement about a client that connects to `object`. Returns the text for the
-  /// client: why it may not connect, with the number of this refusal. Returns an empty text if the
-  /// client may connect.
+  /// Records the decision about a client that connects to `object`. Returns the text that the
+  /// client gets: why it may not connect, and the number of this refusal. Returns an empty text if
+  /// the client may connect.
   std::string judged(const std::string& object, const AccessControl::Judgement& judgement);
-  /// Records a refusal. `event` is a string literal. Returns the text for the client, like
+  /// Records a refusal. `event` is a string literal. Returns the text that the client gets, like
   /// `judged`.
   std::string refused(std::string_view event, const std::string& object,
                       const AccessControl::Judgement& judgement);
-  /// Must be called periodically: writes the lines of refusals that were repeated.
+  /// Writes the lines about repeated refusals. Must be called periodically.
   void on_tick();
   /// Writes the lines of all repeated refusals that on_tick has not written yet.
   void end();

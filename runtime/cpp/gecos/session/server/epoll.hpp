@@ -15,7 +15,7 @@ class Epoll {
   /// Throws std::system_error when the process has no descriptor left.
   Epoll();
   /// Makes `wait` return an event with `key` when a packet arrives on `descriptor`. Does nothing
-  /// when the descriptor is added already. Throws std::system_error when the kernel refuses.
+  /// when the descriptor was added before. Throws std::system_error when the kernel refuses.
   void add(int descriptor, std::uint64_t key);
   /// Waits for events for at most `milliseconds`; -1 means without limit. Stores the events in
   /// `room` and returns the part of `room` that contains them.

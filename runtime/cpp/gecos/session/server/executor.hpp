@@ -11,8 +11,8 @@
 namespace gecos::session {
 
 /// A thread pool of one object, for example for its long handlers. An idle thread takes the next
-/// job. When no thread is idle, a new one is created, up to the number that the constructor is
-/// given. No thread exists before the first job.
+/// job. When no thread is idle, the pool creates a thread, up to the maximum number that the
+/// constructor gets. No thread exists before the first job.
 class Executor {
  public:
   /// When `most_threads` are busy, further jobs wait until a job has returned.

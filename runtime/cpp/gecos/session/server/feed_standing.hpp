@@ -10,10 +10,10 @@
 
 namespace gecos::session {
 
-/// The right of one session to feed inward streams: the present epoch, and whether the samples of
-/// the session must wait. The object writes these values with its mutex held, whenever a status
-/// begins or ends, the session ends, or a heartbeat is awaited. The ports of inward streams read
-/// them for each sample, without that mutex.
+/// The right of one session to feed inward streams: its present epoch, and whether its samples must
+/// wait. The object writes these values with its mutex held, whenever a status begins or ends, the
+/// session ends, or a heartbeat is awaited. The ports of inward streams read the values for each
+/// sample, without the mutex.
 class FeedStanding {
  public:
   /// Returns the epoch under which samples of a stream that needs the status `needed` are admitted;
@@ -38,8 +38,8 @@ class FeedStanding {
   static constexpr std::size_t index(access::Status status) {
     return static_cast<std::size_t>(status);
   }
-  // The value 0 means that no samples are admitted; it is never an epoch. Each atomic publishes
-  // only itself.
+  // The value 0 is no epoch: it means that no samples are admitted. Each atomic publishes only
+  // itself.
   std::array<std::atomic<std::uint64_t>, 3> epochs_{};
   std::atomic<bool> unheard_{false};
 };

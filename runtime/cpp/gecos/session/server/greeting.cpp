@@ -28,7 +28,8 @@ void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
   const media::Peer& peer = session->connection().peer();
   const SessionId id = new_session_id();
   Caller caller;
-  // A user, host or process id that neither the kernel nor a key proves is taken from the Hello.
+  // If neither the kernel nor a key proves a user, host or process id of the client, the claim in
+  // the Hello is used.
   caller.user = peer.uid ? user_name(*peer.uid) : peer.user.empty() ? hello.user : peer.user;
   caller.host = peer.host.empty() ? hello.host : peer.host;
   caller.program = hello.program;

@@ -34,9 +34,9 @@ Calls awaited_by(ServerCall& call) {
   return found == nullptr ? Calls{} : Calls{std::move(found)};
 }
 
-/// `way`: calls, each of which waits for the next one. Returns whether the last call of `way`
-/// waits, directly or through other calls, for the first call of `way`. If it does, extends `way`
-/// to the whole cycle.
+/// `way` is a list of calls, each of which waits for the next one. Returns whether the last call of
+/// `way` waits, directly or through other calls, for the first call. If it does, extends `way` to
+/// the whole cycle.
 bool leads_back(Calls& way) {
   for (auto& next : awaited_by(*way.back())) {
     if (next == way.front()) return true;

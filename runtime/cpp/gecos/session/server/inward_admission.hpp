@@ -23,24 +23,25 @@ enum class InwardVerdict {
   NotNewer,           ///< an admitted sample of this stream is as new, or newer
 };
 
-/// Returns the reason in words, for example "its command does not run".
+/// Returns the reason for a verdict in words, for example "its command does not run".
 std::string_view describe(InwardVerdict verdict);
 
-/// The state of the sender at the moment at which a sample is judged.
+/// What the server knows of the sender when it judges a sample.
 struct InwardSender {
   SessionId session{};
   bool alive = false;  ///< the session is open
-  /// the epoch under which the session has the status that the stream needs; nullopt without it
+  /// The epoch under which the session has the status that the stream needs; nullopt if the session
+  /// does not have this status.
   std::optional<Epoch> epoch{};
-  /// counter of the command of this session that runs and takes samples of this stream; 0 when
-  /// samples that feed no command are admitted
+  /// The counter of the running command of this session that takes samples of this stream; 0 when
+  /// samples without a command are admitted.
   std::optional<std::uint64_t> feeding{};
-  /// the stream moves the object, and another server may have its name (NameClaim)
+  /// The stream moves the object, and another server may have the name of the object (NameClaim).
   bool name_unconfirmed = false;
   bool nobody_present = false;  ///< the stream needs a person in the zone of the object
 };
 
-/// The age of a sample, and the limit above which samples have no effect.
+/// The age of a sample, and the age from which on samples have no effect.
 struct InwardAge {
   Duration age{};
   Duration limit = Duration::max();

@@ -24,7 +24,7 @@ struct Feeder {
   std::uint32_t stream = 0;  ///< the id under which the session shares its stream
   std::unique_ptr<media::StreamReader> reader;
   std::shared_ptr<const FeedStanding> standing;
-  /// Returns this host's CLOCK_BOOTTIME minus that of the sender's host, as
+  /// Returns this host's CLOCK_BOOTTIME minus the CLOCK_BOOTTIME of the sender's host, as
   /// media::Connection::clock_difference measures it. The function object keeps alive the
   /// connection that `reader` uses.
   std::function<Duration()> clock_difference;
@@ -112,8 +112,8 @@ class InwardPort final : public InwardCore {
   Counts gone_ GECOS_GUARDED_BY(mutex_);               ///< counts of sources that are gone
   std::vector<Feeding> fed_ GECOS_GUARDED_BY(mutex_);  ///< the last one takes the samples
   std::uint64_t feedings_ GECOS_GUARDED_BY(mutex_) = 0;
-  /// The time at which the newest sample that the servant took was measured, or at which a command
-  /// began to take samples.
+  /// The time of measurement of the newest sample that the servant took; or, if later, the time at
+  /// which a command began to take samples.
   std::optional<TimePoint> fresh_at_ GECOS_GUARDED_BY(mutex_);
   std::optional<TimePoint> fresh_before_ GECOS_GUARDED_BY(mutex_);  ///< without the last sample
 };

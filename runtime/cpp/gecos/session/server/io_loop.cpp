@@ -14,14 +14,15 @@ namespace {
 
 constexpr std::uint64_t event_key = 0;
 constexpr std::uint64_t endpoint_bit = std::uint64_t{1} << 63;
-/// Number of turns between two checks for epoll events. A turn that finds a packet takes longer and
-/// counts as `busy_turn` turns, so that a client whose connection sleeps does not wait long.
+/// Number of turns of the loop between two checks for epoll events. A turn that finds a packet
+/// takes longer, so it counts as `busy_turn` turns; otherwise a client whose connection sleeps
+/// would wait long.
 constexpr unsigned turns_between_events = 8192;
 constexpr unsigned busy_turn = 128;
 /// Time between two checks whether the clients are still admitted. A revocation acts within 5 s.
 constexpr Duration review_every = std::chrono::seconds(1);
 
-/// Takes the streams away from a client that is not admitted any more, and tells the client why.
+/// Ends the streams of a client that is not admitted any more, and tells the client the reason.
 void exclude(ServerSession& session, const std::string& why) {
   ObjectHost& object = *session.object();
   session.sender().with_connection(
@@ -128,8 +129,8 @@ void IoLoop::turn() {
     polling_.assert_held();
     part_if_lost(session);
   });
-  // The call of take_events() above may have drained the event that announces `ended_`, so check
-  // `ended_` again.
+  // The call of take_events() above may have consumed the event that announces `ended_`, so
+  // `ended_` is checked again.
   if (all_sleep && !ended_.load()) {
     wake_ = {};
     take_events(-1);
@@ -140,7 +141,8 @@ void IoLoop::turn() {
 
 bool IoLoop::poll_active() {
   bool something = false;
-  // If the standby thread ran a handler, no thread would poll, so it leaves handlers to workers.
+  // While the standby thread ran a handler, no thread would poll. Therefore it leaves handlers to
+  // worker threads.
   const auto starter = std::this_thread::get_id() == main_id_ ? Starter::Poller : Starter::Other;
   for (std::size_t at = 0; at < active_.size(); ++at) {
     ServerSession& session = *active_[at];
@@ -150,8 +152,8 @@ bool IoLoop::poll_active() {
       session.polled.quiet_looks = 0;
       started = session.object()->take_and_start(active_[at], *packet, starter);
     }
-    // The standby thread may disconnect the session while the handlers run. Then `started` keeps
-    // the session alive, or `object` keeps the object alive.
+    // The standby thread may disconnect the session while the handlers run. The variable `started`
+    // or `object` then keeps alive what the handlers use.
     if (started) {
       run_handlers(*session.object(), std::move(started), starter);
     } else if (session.object()->ready()) {
@@ -166,7 +168,7 @@ bool IoLoop::poll_active() {
 void IoLoop::activate(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
   if (!active_.wake(session)) {
-    // epoll reports a loss only once, so loss() must check for one now
+    // epoll reports a loss of the connection only once, so loss() must check for a loss now.
     session->connection().loss();
     return;
   }
@@ -175,8 +177,8 @@ void IoLoop::activate(const std::shared_ptr<ServerSession>& session) {
 }
 
 void IoLoop::take_events(int milliseconds) {
-  // Packets that an acceptor receives make the descriptors of their connections readable. So after
-  // an event of an acceptor, handle_events() is called again, without a wait.
+  // The packets that an acceptor receives make the descriptors of their connections readable. So
+  // after an event of an acceptor, handle_events() is called again, without a wait.
   if (handle_events(milliseconds)) handle_events(0);
 }
 
@@ -247,8 +249,8 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   session->gone = true;
   log_debug("media", session->object()->name() +
                          ": a connection is lost: " + session->connection().loss_text());
-  // If the client said goodbye before, `depart` treats the end as in order. A client that closes
-  // its connection without a goodbye has given up its calls.
+  // If the client has said goodbye, `depart` treats the loss of the connection as an end in order.
+  // A client that closes its connection without a goodbye has given up its calls.
   session->object()->depart(session, ObjectHost::Departure::Lost);
   if (session->object()->ready())
     session->object()->run_ready(Starter::Other);  // starts calls that the last packets queued
@@ -287,7 +289,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
 
   const bool revoked = end_revoked(now);
   // When a session is excluded from streams, these streams move to new memory. The next heartbeat
-  // tells the remaining readers where this memory is, so it is sent at once.
+  // tells the remaining readers where the new memory is, so the heartbeat is sent at once.
   const bool beat = heartbeats_.due(now, runtime_->options().heartbeat) || revoked;
   bool suspects = false;
   const bool at_rest = handler % 2 == 0 && sleep_.count_on();
@@ -326,7 +328,8 @@ bool IoLoop::end_revoked(TimePoint now) {
   for (const auto& session : sessions) {
     const auto judgement =
         access_->judge_again(session->object()->name(), session->connection().peer());
-    // What a client has registered would stay if the client became a visitor in the same session.
+    // If the client became a visitor in the same session, the objects that it has registered would
+    // stay registered. Therefore the session ends.
     const bool narrowed = judgement.visitor && session->visit.is_full();
     const std::string why = narrowed ? "the lab file no longer names user " + judgement.who.user +
                                            " of host " + judgement.who.host +
@@ -373,7 +376,7 @@ void IoLoop::end() {
   }
   for (const auto& session : sessions_.remove_if([](const auto&) { return true; })) {
     // The object refuses the unread calls. Over a medium that cannot tell the client which packets
-    // were read, only a reply tells the client that its call did not start.
+    // were read, only a reply to each call tells the client that the call did not start.
     while (session->repeats() && !session->gone.load()) {
       const auto packet = session->connection().receive();
       if (!packet) break;

@@ -26,10 +26,10 @@ namespace gecos::session {
 ///
 /// Only active connections are polled. A connection that was silent for 10 ms is put to sleep and
 /// costs nothing until its descriptor reports a packet. One thread polls at a time. The thread
-/// releases `polling_` while it runs a handler. When the handler takes longer than a maintenance
-/// tick, a standby thread polls instead, so only the callers of a slow handler wait for that
-/// handler. This class has more members than other classes, because they belong to three threads;
-/// comments say which thread uses a member.
+/// releases `polling_` while it runs a handler. When a handler takes longer than a maintenance
+/// tick, a standby thread polls instead, so only the callers of this handler wait for it. This
+/// class has more members than other classes, because the members belong to three threads; comments
+/// say which thread uses a member.
 class IoLoop {
  public:
   /// `access` decides whether the client of each session is still admitted.
@@ -40,8 +40,8 @@ class IoLoop {
   void serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Acceptor> acceptor);
   /// Disconnects the clients of `object` and accepts no further clients. @pre `object` is closed
   void withdraw(const ObjectHost& object);
-  /// Must be called on the maintenance thread after a pause of this process. After that, no call of
-  /// a session starts before the next heartbeat of the session's client.
+  /// Must be called on the maintenance thread after a pause of this process. Calls of a session
+  /// then start only after the next heartbeat of the session's client.
   void await_signs_of_life();
   /// Sends heartbeats, detects silent clients and lost connections, and wakes the standby thread.
   /// Runs on the maintenance thread. Returns when the next tick is due.
@@ -87,9 +87,11 @@ class IoLoop {
   void drop_closed_endpoints() GECOS_REQUIRES(polling_);
   void part_if_lost(const std::shared_ptr<ServerSession>& session);
   TimePoint next_look_at(ServerSession& session, bool sent, TimePoint now) const;
-  /// Ends the sessions whose clients are not admitted any more. Returns whether there were any.
+  /// Ends the sessions whose clients are not admitted any more. Returns whether any session was
+  /// ended.
   bool end_revoked(TimePoint now);
-  /// Ends one of them. Returns false if it has ended already.
+  /// Ends the session of a client that is not admitted any more. Returns false if the session has
+  /// ended already.
   bool revoke(const std::shared_ptr<ServerSession>& session, const std::string& why);
 
   const std::shared_ptr<Runtime> runtime_;
@@ -101,7 +103,7 @@ class IoLoop {
 
   FutexMutex polling_;  ///< held by the thread that polls
   media::SpinPolicy spin_ GECOS_GUARDED_BY(polling_);
-  /// An element is null after its object was withdrawn.
+  /// An element becomes null when its object is withdrawn.
   std::vector<std::unique_ptr<Endpoint>> endpoints_ GECOS_GUARDED_BY(polling_);
   ActiveSessions active_ GECOS_GUARDED_BY(polling_);
   Wake wake_ GECOS_GUARDED_BY(polling_);
@@ -116,7 +118,7 @@ class IoLoop {
 
   StandbyCall standby_call_;
   PollerSleep sleep_;  ///< of main_
-  /// `handler_turn_` at the last tick; used by the maintenance thread only
+  /// The value of `handler_turn_` at the last tick. Only the maintenance thread uses this member.
   std::uint64_t handler_seen_ = 0;
   OwnHeartbeats heartbeats_;
   TimePoint next_review_{};

@@ -9,12 +9,12 @@
 
 namespace gecos::session {
 
-/// Looks whether the media of a server still admit its clients. On lcm this reads the files of
-/// their keys, so it happens on a thread of its own: a file system that does not answer delays
-/// nothing else. `begin` and `take` never wait for files.
+/// Checks whether the media of a server still admit its clients. For lcm, this means to read the
+/// files with the clients' keys. A separate thread does this, so that a file system that does not
+/// answer delays nothing else. `begin` and `take` never wait for files.
 class KeyReview {
  public:
-  /// A client that is not admitted any more, and why.
+  /// A client that is not admitted any more, and the reason.
   struct Revoked {
     std::weak_ptr<ServerSession> session;
     std::string why;
@@ -22,10 +22,10 @@ class KeyReview {
 
   KeyReview();
 
-  /// Begins to look at the clients of these sessions. While an earlier look goes on, only the
-  /// sessions of the last call are looked at next.
+  /// Starts a check of the clients of these sessions. If a check is already running, the next check
+  /// covers the sessions of the newest call.
   void begin(const std::vector<std::shared_ptr<ServerSession>>& sessions);
-  /// Removes and returns the clients that were found not to be admitted any more.
+  /// Removes and returns the clients that a check found to be no longer admitted.
   std::vector<Revoked> take();
 
  private:

@@ -13,7 +13,8 @@ using access::EditedLabFile;
 
 }  // namespace
 
-/// What the thread uses. It outlives the LabFileReader while the file system does not answer.
+/// The data that the thread of a LabFileReader uses. It outlives the LabFileReader if the file
+/// system does not answer.
 struct LabFileReader::Shared {
   explicit Shared(const LabFilePath& named) : must_exist(named.must_exist), file(named.path) {}
   void read();

@@ -10,32 +10,34 @@
 
 namespace gecos::session {
 
-/// Reads the lab file of one server, again and again, on a thread of its own: a file system that
-/// does not answer delays nothing else. An edit with an error is logged once and changes nothing;
-/// nor does a file that is being written: one that was changed within the last 100 ms or while it
-/// was read, or emptied within the last second. Thread-safe.
+/// Reads the lab file of one server again and again, on a separate thread, so that a file system
+/// that does not answer delays nothing else. If the file has an error, the error is logged once and
+/// the previous lists stay in force. They also stay in force while a program seems to be writing
+/// the file: the file was changed within the last 100 ms or during the reading, or was emptied
+/// within the last second. Thread-safe.
 class LabFileReader {
  public:
-  /// @param lab_file as LabOptions::lab_file
+  /// @param lab_file the path of the lab file, as in LabOptions::lab_file
   explicit LabFileReader(const std::string& lab_file);
 
-  /// What the readings have found.
+  /// The results of all readings so far.
   struct Found {
-    /// The lists of the last text without an error. Never null: empty before there is one.
+    /// The lists of the last text without an error. They are empty before there was such a text,
+    /// and never null.
     std::shared_ptr<const access::LabAccess> lists;
     bool known = false;                           ///< whether there was a text without an error
     std::optional<access::LabFileError> error{};  ///< of the last text
     bool being_written = true;                    ///< the last reading found no text that counts
   };
   Found found() const;
-  /// Returns `found().lists`, without copying the rest.
+  /// Returns `found().lists` without copying the other members.
   std::shared_ptr<const access::LabAccess> lists() const;
   const std::string& path() const { return path_; }
 
-  /// Makes the thread read the file again, soon.
+  /// Requests that the thread reads the file again soon.
   void ask() { thread_.ask(); }
-  /// Makes the thread read the file again, and waits until it has. Returns false if the file system
-  /// has not answered for `patience`.
+  /// Requests that the thread reads the file again, and waits until it has read the file. Returns
+  /// false if the file system has not answered for `patience`.
   bool read(Duration patience) { return thread_.await(thread_.ask(), patience); }
 
  private:
