@@ -16,8 +16,9 @@ enum class InwardVerdict {
   SessionEnded,       ///< the session ended, or is lost
   OtherEpoch,         ///< the client's status has ended, or is another one
   NameUnconfirmed,    ///< the broker does not confirm the name of the object
-  NobodyPresent,      ///< nobody is known to be present in the zone of the object, or was when the
-                      ///< sample was sent
+  /// Nobody is known to be present in the zone of the object, or nobody was when the sample was
+  /// sent.
+  NobodyPresent,
   CommandNotRunning,  ///< the command does not run: it waits, has ended, or takes no samples
   TooOld,             ///< older than the watchdog or the lifespan of the stream
   NotNewer,           ///< an admitted sample of this stream is as new, or newer

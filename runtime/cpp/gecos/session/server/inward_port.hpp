@@ -72,8 +72,8 @@ class InwardPort final : public InwardCore {
   struct Counts {
     FeedReport numbers;  ///< without the text
     InwardVerdict last_refusal = InwardVerdict::Admitted;
-    std::shared_ptr<const std::string> unreadable{};  ///< text of the last refusal, if that did not
-                                                      ///< decode
+    /// The text of the last refusal, if the refused sample did not decode.
+    std::shared_ptr<const std::string> unreadable{};
   };
   struct Source {
     Feeder feeder;

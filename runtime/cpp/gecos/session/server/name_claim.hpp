@@ -15,7 +15,8 @@ namespace gecos::session {
 /// time-out never permits commands. This class only records questions and answers; it does no I/O
 /// and reads no clock.
 ///
-/// Any thread may call standing(), waits() and refuses(). The object's mutex guards the rest.
+/// Any thread may call standing(), waits() and refuses(). The object's mutex guards the other
+/// functions.
 class NameClaim {
  public:
   enum class Standing : std::uint8_t {
@@ -36,7 +37,8 @@ class NameClaim {
     if (standing() != Standing::Taken) change(Standing::Asked);
   }
 
-  // These functions record an answer of the broker. Each returns whether the standing changed.
+  // Each of the following functions records an answer of the broker and returns whether the
+  // standing changed.
   bool held(std::uint64_t question) {
     if (question != question_ || standing() == Standing::Unregistered) return false;
     why_.clear();

@@ -20,7 +20,7 @@ bool answered_by_handler(const ServerCall& call) {
   return call.state.begun_at() && call.state.phase() >= CallState::Phase::Answered;
 }
 
-/// Returns the part of `entry` that the events of all sessions of the visitor `who` share.
+/// Returns `entry` without the members that differ between the sessions of the visitor `who`.
 audit::Line without_session(audit::Line entry, const access::UserAtHost& who) {
   entry.user = who.user;
   entry.host = who.host;

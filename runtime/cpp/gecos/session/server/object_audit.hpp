@@ -13,9 +13,9 @@
 
 namespace gecos::session {
 
-/// The audit of one object: its sessions, its status and its actor commands. A reading is recorded
-/// only when it is refused. If the server has no Audit, nothing is recorded. Not thread-safe: the
-/// object's mutex guards it.
+/// The audit of one object: its sessions, its status, its actor commands, and the readings that
+/// were refused. If the server has no Audit, nothing is recorded. Not thread-safe: the object's
+/// mutex guards it.
 ///
 /// Commands that one client repeats within a second share a line (audit::Repeats), so recording
 /// such a command costs one search in a short table.
@@ -26,13 +26,13 @@ class ObjectAudit {
       : object_(std::move(object)), audit_(std::move(audit)), visitors_(object_, audit_) {}
   ~ObjectAudit() { end(); }
 
-  /// The beginnings, and the ends for one reason, of the sessions of one visitor share lines, about
-  /// one a minute (audit::SharedLines).
+  /// Records that a session begins. Sessions of one visitor share lines, about one line a minute
+  /// (audit::SharedLines); so do the ends of these sessions, if they have the same reason.
   void connected(ServerSession& session);
   void disconnected(const ServerSession& session, std::string_view because);
 
-  /// `event`: "status_granted" or another literal. `counter`: the call that changed the status; 0
-  /// if no call did.
+  /// Records that a status begins, ends or changes. `event` is a string literal, for example
+  /// "status_granted". `counter`: the call that changed the status; 0 if no call did.
   void status(std::string_view event, const ServerSession& session, std::uint64_t counter = 0,
               std::string_view status = {});
   void status_refused(const ServerSession& session, std::uint64_t counter, std::string_view status,
@@ -45,11 +45,11 @@ class ObjectAudit {
   /// Records a call, or the opening of a stream, that was refused before it was queued.
   void refused(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                std::string_view operation, const Failure& failure);
-  /// Records a call that was refused because its client is a visitor (access/visitors.hpp).
-  /// Such calls of one visitor share lines like sessions, whatever their operations and sessions.
-  /// `because`: the part of the text of `failure` that is the same for each of these calls. Returns
-  /// the number of the refusal, like named_request. Calls in other sessions are counted in the same
-  /// line, so the number names no session. @pre the client of `session` is a visitor
+  /// Records a call that was refused because its client is a visitor (access/visitors.hpp). All
+  /// such calls of one visitor share lines, whatever their operations and sessions. `because`: the
+  /// part of the text of `failure` that is the same for each of these calls. Returns the number of
+  /// the refusal, like named_request. The number names no session, because the line also counts
+  /// calls in other sessions. @pre the client of `session` is a visitor
   std::string visitor_refused(const ServerSession& session, std::uint64_t counter,
                               std::string_view operation, const Failure& failure,
                               const std::string& because);
@@ -57,8 +57,8 @@ class ObjectAudit {
   void begins(const ServerCall& call);
   void ended(const ServerCall& call, Detail detail, const std::string& text);
 
-  /// When the second in which a client repeated a command has passed, writes one line with the
-  /// number of repetitions. Then lets the audit write to its files.
+  /// If a client has repeated a command and that second is over, writes one line with the number of
+  /// repetitions. Then lets the audit write to its files.
   void on_tick();
   /// Writes the lines of all repeated commands that on_tick has not written yet.
   void end();
@@ -67,7 +67,7 @@ class ObjectAudit {
   audit::Line line(std::string_view event, const Caller& caller, std::uint64_t counter = 0) const;
   /// Writes the line about the beginning or the end of a session.
   void add_of_session(const ServerSession& session, audit::Line entry);
-  /// Writes the line. Equal lines within the next second are only counted.
+  /// Writes the line. If an equal line follows within a second, it is only counted.
   void begin(const audit::Repeats::Key& key, audit::Line entry);
   void command(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                std::string_view operation, Detail detail, std::string_view why);
@@ -79,8 +79,8 @@ class ObjectAudit {
   std::uint64_t visitor_refusals_ = 0;
 };
 
-/// Returns the text that a refusal ends with, for example " (request 1a2b-3c4d-7)"; an empty text
-/// if `counter` is 0. `gecos why` takes this number.
+/// Returns the end of the text of a refusal, for example " (request 1a2b-3c4d-7)"; an empty text if
+/// `counter` is 0. The user can pass this number to `gecos why`.
 std::string named_request(SessionId session, std::uint64_t counter);
 
 }  // namespace gecos::session

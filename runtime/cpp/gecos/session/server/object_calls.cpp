@@ -36,8 +36,8 @@ std::vector<std::shared_ptr<ServerCall>> commands_of(const ObjectQueue& queue) {
   return commands;
 }
 
-/// Returns whether a command that ends as `detail` was ended together with the queued commands of
-/// its client, for example by a cancel, a stop or the loss of the status.
+/// Returns whether a command that ends as `detail` ends because of an event that also ends the
+/// queued commands of its client, for example a cancel, a stop or the loss of the status.
 bool ends_queued_commands_too(Detail detail) {
   return detail == Detail::Canceled || detail == Detail::Stopped || detail == Detail::Preempted ||
          detail == Detail::LeaseLost || detail == Detail::PresenceLost;
@@ -148,7 +148,8 @@ void ObjectCalls::tell_outcome(ServerCall& call, ByteView result) {
 }
 
 void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
-  // A handler that was interrupted because of its chain answers that it was.
+  // A handler that was interrupted because an earlier command of its chain failed answers CANCELED.
+  // The caller gets the earlier failure as the reason instead.
   const bool interrupted = call.left_out && failure.detail == Detail::Canceled;
   const Failure& reported = interrupted ? call.left_out->failure : failure;
   settle(call, reported.detail, reported.text);
@@ -157,7 +158,7 @@ void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
   break_chain(call, reported);
 }
 
-/// Leaves out the commands of the caller of `call` that were issued after it.
+/// Leaves out the commands that the caller of `call` issued after `call`.
 void ObjectCalls::break_chain(ServerCall& call, const Failure& failure) {
   if (call.operation().on_new != OnNew::Blend || call.left_out) return;
   BlendChain& chain = call.session->chain;

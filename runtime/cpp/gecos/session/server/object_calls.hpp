@@ -19,8 +19,8 @@ namespace gecos::session {
 
 /// The calls of one object, from the queue until they have ended and their handlers have returned.
 /// Sends each caller the outcome of its call exactly once, and keeps the outcomes of commands. Not
-/// thread-safe: the object's mutex guards it. It has more methods than other classes, because all
-/// ways in which a call can end are here.
+/// thread-safe: the object's mutex guards it. This class has more methods than other classes,
+/// because it handles every way in which a call can end.
 class ObjectCalls {
  public:
   /// The interface of an observer that is notified when calls end. The object's mutex is held
@@ -51,17 +51,18 @@ class ObjectCalls {
   bool idle() const { return queue_.idle() && open_.empty(); }
   void note_ready() { ready_.store(true, std::memory_order_release); }
 
-  // From the queue to the end of the handler.
+  // The following functions take a call from the queue to the end of its handler.
+
   /// Queues `call`, and returns as ObjectQueue::push does.
   tl::expected<std::size_t, ObjectQueue::Full> add(const std::shared_ptr<ServerCall>& call);
   /// Removes the next call that may start from the queue and returns it; null when no call may
   /// start.
   std::shared_ptr<ServerCall> take();
-  /// Like take(), but only among the calls that `wanted` selects.
+  /// Like take(), but considers only the calls that `wanted` selects.
   std::shared_ptr<ServerCall> take(FunctionRef<bool(const ServerCall&)> wanted);
   /// Marks `call` as started. Must be called directly before the handler of the call begins. If the
-  /// client has withdrawn the call, and so reports it as not started, ends the call and returns
-  /// false.
+  /// client has withdrawn the call, ends the call and returns false, because the client reports it
+  /// as not started.
   bool mark(ServerCall& call, TimePoint since_boot);
   /// Must be called when the handler of a call that was taken will not begin. @pre the call has
   /// ended
@@ -78,7 +79,8 @@ class ObjectCalls {
   /// Must be called when the handler of `call` has returned.
   void returned(const std::shared_ptr<ServerCall>& call);
 
-  // Ends that do not come from the handler.
+  // The following functions end a call for a reason other than the answer of its handler.
+
   /// Ends `call` with `failure`, notifies its caller, and removes it from the queue if it has not
   /// started. @pre the call has not ended
   void end(ServerCall& call, const Failure& failure);
@@ -94,8 +96,8 @@ class ObjectCalls {
 
   /// Adds `call` to the calls that on_tick() checks, because it has a deadline or may take long.
   void list(ServerCall& call);
-  /// Ends calls whose deadline has passed. Sends progress and queue positions that were not sent
-  /// before.
+  /// Ends calls whose deadline has passed. Sends the progress and queue positions that could not be
+  /// sent before.
   void on_tick(TimePoint now);
   void progressed(ServerCall& call, double fraction, ByteView feedback);
 

@@ -121,8 +121,8 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
   }
   presence_.on_tick();
   waits_.end_endless(now);
-  // Starts calls that can start now and that no other thread starts, because the client is gone or
-  // the polling thread sleeps.
+  // If the client of a call is gone or the polling thread sleeps, no other thread starts the calls
+  // that can start now.
   if (ready()) run_ready(Starter::Other);
   const MutexLock lock(state_.mutex);
   if (!state_.calls.idle()) return now + Maintenance::tick;

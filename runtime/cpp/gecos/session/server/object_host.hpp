@@ -22,9 +22,9 @@
 namespace gecos::session {
 
 /// One object of a server: admits and queues calls, keeps the leases, runs handlers and sends
-/// replies. Every accepted call is answered exactly once, by its handler or by the event that ended
-/// it. Thread-safe. The class has more methods than others, because it alone takes what the threads
-/// of the server want from the calls, the leases and the streams of the object.
+/// replies. Every accepted call is answered exactly once, either by its handler or by the event
+/// that ended it. Thread-safe. This class has more methods than other classes, because all threads
+/// of the server reach the calls, the leases and the streams of the object through it.
 class ObjectHost final : public Publisher {
  public:
   /// `audit`: null if nothing is recorded.
@@ -47,7 +47,8 @@ class ObjectHost final : public Publisher {
   ObjectStreams& streams() { return streams_; }
   const ObjectInward& inward() const { return inward_; }
 
-  // Functions for the I/O loop (IoLoop).
+  // The I/O loop (IoLoop) calls the following functions.
+
   /// Processes one packet of `session`. Starts no call: `run_ready` must be called afterwards.
   void take(const std::shared_ptr<ServerSession>& session, ByteView packet);
   /// Like `take`, but returns a call that may start now, or null. The caller must then pass the
@@ -68,14 +69,15 @@ class ObjectHost final : public Publisher {
   /// `because`: completes the sentence "the client …", which says why the client's status is lost.
   void depart(const std::shared_ptr<ServerSession>& session, Departure how,
               const std::string& because = "is gone");
-  /// Must be called after this process was suspended. After that, no call of `session` starts
-  /// before the next heartbeat of its client.
+  /// Must be called after this process was suspended. Calls of `session` then start only after the
+  /// next heartbeat of its client.
   void await_sign_of_life(ServerSession& session);
   /// Checks the heartbeats of `session`. Must be called at every tick. Returns true when the
   /// session must end, because the client was silent for too long or does not read its replies.
   bool check_liveness(const std::shared_ptr<ServerSession>& session);
 
-  // Functions for the maintenance thread.
+  // The maintenance thread calls the following functions.
+
   /// Ends the actor commands that ran during a pause of this process of the length `stood_still`.
   /// After a long pause the broker must confirm the object's name again.
   void after_pause(Duration stood_still);

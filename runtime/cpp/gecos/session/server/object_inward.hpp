@@ -23,8 +23,8 @@ class ObjectInward {
 
   /// Returns the port of the stream with this code; null when the interface has no such stream.
   InwardPort* find(FunctionCode code) const;
-  /// Makes `port` read the stream that `session` shares under `id`. Returns false while the
-  /// announcement of the stream has not arrived; on failure returns the reason.
+  /// Makes `port` read the stream that `session` shares under `id`. Returns false if the
+  /// announcement of the stream has not arrived yet. On failure returns the reason.
   tl::expected<bool, std::string> feed(InwardPort& port,
                                        const std::shared_ptr<ServerSession>& session,
                                        std::uint32_t id) const;

@@ -6,8 +6,8 @@
 namespace gecos::session {
 namespace {
 
-/// Returns true for a preempting command. It ends the commands before it as soon as it is queued,
-/// so it may use their room.
+/// Returns true for a preempting command. As soon as this command is queued, it ends the commands
+/// before it, so it may use their room in the queue.
 bool replaces(const QueueEntry& entry) { return entry.operation.on_new == OnNew::Preempt; }
 
 bool may_start_beside(const QueueEntry& running, const QueueEntry& next) {
@@ -104,8 +104,8 @@ std::optional<ObjectQueue::Full> ObjectQueue::too_large(const QueueEntry& entry)
   return std::nullopt;
 }
 
-/// Returns true for an @ordered reading that must wait in the actor lane because its caller has
-/// commands in that lane.
+/// Returns true for an @ordered reading whose caller has commands in the actor lane: the reading
+/// must wait in that lane.
 bool ObjectQueue::keeps_place(const QueueEntry& entry) const {
   if (!entry.operation.ordered) return false;
   const auto same_client = [&](const auto& other) { return other->client == entry.client; };
@@ -139,8 +139,8 @@ std::shared_ptr<QueueEntry> ObjectQueue::next() {
   return next([](const QueueEntry&) { return true; });
 }
 
-/// Returns the actor command that may start next: the first one or, while the first one must wait,
-/// the first @parallel one. Returns the end of the lane if no command may start.
+/// Returns the actor command that may start next: the first command or, while the first command
+/// must wait, the first @parallel command. Returns the end of the lane if no command may start.
 ObjectQueue::Lane::iterator ObjectQueue::next_command() {
   if (actor_.empty() || beside_running(*actor_.front())) return actor_.begin();
   return std::ranges::find_if(actor_, [](const auto& entry) { return entry->operation.parallel; });

@@ -21,20 +21,22 @@ enum class LaneThreads : std::uint8_t {
   Many,  ///< handlers may run on several threads, because the servant is thread-safe
 };
 
-/// Decides in which order the calls of one object start. The queue has three lanes: safety
-/// operations start first, then sensor operations, in turns of the clients, then actor commands.
-/// The lane of the actor commands is bounded and first in, first out. Actor commands run one at a
-/// time, unless the interface says otherwise. A @parallel command does not wait for the commands
-/// before it. Not thread-safe.
+/// Decides in which order the calls of one object start. The queue has three lanes. Safety
+/// operations start first, then sensor operations, for which the clients take turns, then actor
+/// commands. The lane of the actor commands is bounded and first in, first out. Actor commands run
+/// one at a time, unless the interface says otherwise. A @parallel command does not wait for the
+/// commands before it. Not thread-safe.
 class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;
   static constexpr std::size_t most_of_client = 64;
-  /// The calls of all visitors together. The rest of the queue is left to the other clients.
+  /// Maximum number of queued calls of all visitors together. The remaining room of the queue is
+  /// left to other clients.
   static constexpr std::size_t most_of_visitors = most_of_object / 4;
-  /// Limits in bytes for the arguments of all calls that have not ended, per client and per object,
-  /// and of all visitors together. When no other large call is open, a call of any size is
-  /// accepted. Calls with fewer than `small` bytes do not count; only their number is limited.
+  /// Limits in bytes for the arguments of all calls that have not ended: of one client, of all
+  /// clients of the object, and of all visitors together. A call of any size is accepted when no
+  /// other large call is open. Calls with fewer than `small` bytes do not count; only their number
+  /// is limited.
   static constexpr std::size_t most_bytes_of_client = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_object = 64 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_visitors = most_bytes_of_object / 4;
@@ -57,8 +59,8 @@ class ObjectQueue {
 
   /// Removes and returns the next call that may start now; null when no call may start.
   std::shared_ptr<QueueEntry> next();
-  /// Like next(), but only among the calls that `wanted` selects. Actor commands keep their order:
-  /// a command that is not selected blocks the commands after it.
+  /// Like next(), but considers only the calls that `wanted` selects. Actor commands keep their
+  /// order: a command that is not selected blocks the commands after it.
   std::shared_ptr<QueueEntry> next(FunctionRef<bool(const QueueEntry&)> wanted);
   /// Must be called when the thread of the handler has returned. The call may be answered later.
   void returned(const QueueEntry& entry);
@@ -88,8 +90,8 @@ class ObjectQueue {
   Lane::iterator next_command();
   std::shared_ptr<QueueEntry> start(Lane& lane, Lane::iterator at);
   std::shared_ptr<QueueEntry> start(std::shared_ptr<QueueEntry> entry);
-  /// Returns how many calls that have not started `which` selects. Safety operations do not count,
-  /// nor do the actor commands that `entry` replaces.
+  /// Of the calls that have not started, returns how many `which` selects. Does not count safety
+  /// operations or the actor commands that `entry` replaces.
   std::size_t count_waiting(const QueueEntry& entry,
                             FunctionRef<bool(const QueueEntry&)> which) const;
   std::optional<Full> too_large(const QueueEntry& entry) const;

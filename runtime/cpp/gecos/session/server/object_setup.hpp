@@ -13,31 +13,33 @@
 
 namespace gecos::session {
 
-/// The rights of users that do not depend on a status. The server decides them for all its objects.
+/// The rights of users that do not depend on a status. The server decides these rights for all its
+/// objects.
 struct UserRights {
   /// True if every user of every host may connect (Admission::Insecure).
   bool everybody_connects = false;
-  /// Returns whether the user may end the status of others.
+  /// Returns whether the user may end the status of other clients.
   std::function<bool(const media::Peer&)> administers = [](const auto&) { return false; };
-  /// Returns who the client is; no value if it is a program of the server's user or of root.
+  /// Returns the user and the host of the client. Returns no value if the client is a program of
+  /// the server's user or of root.
   std::function<std::optional<access::UserAtHost>(const media::Peer&)> other_user =
       [](const auto&) { return std::nullopt; };
   /// Returns the user of a client that may connect to the object as a visitor only
   /// (access/visitors.hpp); no value if the client is no visitor.
   std::function<std::optional<access::UserAtHost>(const std::string& object, const media::Peer&)>
       visitor = [](const auto&, const auto&) { return std::nullopt; };
-  /// Returns why the user may not register an object under a name; an empty text when it may.
+  /// Returns why the user may not register an object under `name`; an empty text when the user may.
   std::function<std::string(const std::string& name, const media::Peer&)> refusal_to_register =
       [](const auto&, const auto&) { return std::string(); };
-  /// Returns why the user may not report for `source`, such as a door contact of `zone`, that a
-  /// person is present; an empty text when it may.
+  /// Returns why the user may not report for `source`, for example a door contact of `zone`, that a
+  /// person is present. Returns an empty text when the user may.
   std::function<std::string(const std::string& zone, const std::string& source, const media::Peer&)>
       refusal_to_report = [](const auto& zone, const auto& source, const auto&) {
         return "nothing says who may report for " + source + " of " + zone;
       };
 };
 
-/// The settings of one object of a server, constant while it is served.
+/// The settings of one object of a server. They do not change while the object is served.
 struct ObjectSetup {
   std::shared_ptr<Runtime> runtime;
   std::string name;

@@ -29,15 +29,15 @@ class ObjectStreams {
   /// Ends all subscriptions of the client of `connection`, and makes all later samples unreadable
   /// for this client.
   void exclude(media::Connection& connection);
-  /// Publishes `sample`; does nothing when the interface has no such stream.
+  /// Publishes `sample`. Does nothing when the interface has no such stream.
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
   /// Lends memory for the next sample, as StreamPort::lend().
   tl::expected<LentMemory, std::string> lend(const StreamDescription& stream, std::size_t size);
   bool publish_lent(const StreamDescription& stream, const LentMemory& memory,
                     const SampleTime& time);
   void give_back(const StreamDescription& stream, const LentMemory& memory);
-  /// Returns how much was published on each stream, in the order of the ids of the streams on
-  /// connections. Does not set `readers`.
+  /// Returns how much was published on each stream. The streams are in the order of their ids on
+  /// the connections. Does not set `readers`.
   std::vector<StreamStats> stats() const;
 
  private:

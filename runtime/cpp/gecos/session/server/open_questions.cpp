@@ -8,7 +8,8 @@
 namespace gecos::session {
 namespace {
 
-/// Returns a predicate for the question with this counter in this session.
+/// Returns a function that is true for the question that arrived as the call `counter` of
+/// `session`.
 auto is_question(SessionId session, std::uint64_t counter) {
   return [=](const OpenQuestions::Question& question) {
     return question.session->id() == session && question.counter == counter;

@@ -12,9 +12,9 @@
 
 namespace gecos::session {
 
-/// Calls that ask for news, for example for changes of the roster after the one that the caller
-/// knows. A call stays here while there is no news for it. Not thread-safe: the object's mutex
-/// guards it.
+/// Calls that ask for news, for example for changes of the roster since the change that the caller
+/// knows. While there is no news for a call, the call waits in this object. Not thread-safe: the
+/// object's mutex guards it.
 class OpenQuestions {
  public:
   struct Question {
@@ -24,16 +24,18 @@ class OpenQuestions {
     TimePoint give_up{};
   };
 
-  /// `about`: begins the text of a refusal, for example "RX90: too many questions about requests".
+  /// `about`: the beginning of the text of a refusal, for example "RX90: too many questions about
+  /// requests".
   OpenQuestions(std::string about, const Clock& clock) : about_(std::move(about)), clock_(clock) {}
 
-  /// Maximum number of questions, of all programs and of one. A correct proxy has one at a time.
+  /// Maximum number of questions of all programs together, and of one program. A correct proxy has
+  /// one question at a time.
   static constexpr std::size_t most = 64;
   static constexpr std::size_t most_of_program = 8;
 
-  /// Keeps a question for at most `patience` seconds, until `answer` replies to it. If there are
-  /// too many questions already, of all programs or of the one that asks, replies that this one is
-  /// refused.
+  /// Keeps a question for at most `patience` seconds, until `answer` replies to it. If the program
+  /// of the caller has too many questions already, or all programs together have, refuses this
+  /// question.
   void add(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
            std::uint64_t after, double patience);
   bool waits(SessionId session, std::uint64_t counter) const;
@@ -43,8 +45,8 @@ class OpenQuestions {
   /// Removes the questions of `session` without a reply.
   void forget(SessionId session);
 
-  /// Calls `reply(question)` for each question that has waited for long enough, or for which
-  /// `is_news(question.after)` is true, and removes it.
+  /// Calls `reply(question)` for each question that has waited for long enough or for which
+  /// `is_news(question.after)` is true. Removes these questions.
   template <class IsNews, class Reply>
   void answer(IsNews is_news, Reply reply) {
     std::erase_if(questions_, [&](const Question& question) {
@@ -55,7 +57,7 @@ class OpenQuestions {
   }
 
  private:
-  /// Returns why a question of this program is one too many; an empty text when it is not.
+  /// Returns why this program may not have another question; an empty text when it may.
   std::string too_many(const Caller& program) const;
 
   const std::string about_;

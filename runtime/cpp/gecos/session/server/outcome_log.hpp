@@ -36,12 +36,12 @@ class OutcomeLog {
   /// Returns the sessions that are open.
   std::vector<std::shared_ptr<ServerSession>> all_open() const;
   /// Must be called when the session `id` receives no more packets, so that calls that have not
-  /// arrived will never start. `arrived`: the calls that have arrived. `lost`: the session itself
-  /// if its client may still request replies in another session, else null.
+  /// arrived will never start. `arrived`: which calls have arrived. `lost`: the session itself if
+  /// its client may still request replies in another session, otherwise null.
   void closed(SessionId id, const ReceiveWindow& arrived,
               const std::shared_ptr<ServerSession>& lost);
-  /// Returns the session `id` if it is open, or if it was lost and has calls that have not ended;
-  /// otherwise null.
+  /// Returns the session `id` if it is open, or if it was lost and has calls that have not ended.
+  /// Otherwise returns null.
   std::shared_ptr<ServerSession> session(SessionId id) const;
   /// Returns the reply that was sent to the call `counter` of session `id`, even if that session
   /// was lost since; null when the session is unknown or the reply is no longer kept.

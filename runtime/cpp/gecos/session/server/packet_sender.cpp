@@ -12,15 +12,15 @@
 namespace gecos::session {
 namespace {
 
-/// Maximum number of waiting packets: a reply and a Goodbye for each granted call, and as many
-/// again for repeated replies.
+/// Maximum number of waiting packets: for each granted call a reply and a Goodbye, and the same
+/// number again for repeated replies.
 constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
 /// Maximum size of the backlog in bytes. A result that would exceed this limit is dropped, and its
 /// call fails.
 constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
 
-/// Returns a shorter failure that fits into a packet: it has the same detail and the beginning of
-/// the text.
+/// Returns a shorter failure that fits into a packet. It has the same detail as `failure`, and the
+/// beginning of its text.
 Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried) {
   constexpr std::size_t longest_text = 1024;
   const std::string_view kept = whole_characters(failure.text, longest_text);

@@ -23,9 +23,9 @@ class PacketSender {
   void send(const wire::PacketHeader& header, ByteView body);
   /// Sends `packet` again, unless its first copy still waits in this object.
   void send_again(const Bytes& packet);
-  /// Like `send`, for a reply to a call. A result that is too large for the connection, or for
-  /// which there is no room, is replaced by a failure. `kept`: the cache in which the reply is also
-  /// kept; may be null.
+  /// Like `send`, for a reply to a call. If a result is too large for the connection, or there is
+  /// no room for it, sends a failure instead. `kept`: a cache that also keeps the reply; may be
+  /// null.
   void reply(const wire::PacketHeader& header, ByteView result, ReplyCache* kept);
   void reply(const wire::PacketHeader& header, const Failure& failure, ReplyCache* kept);
   /// Sends a reply that was sent in another session before, even when many packets wait in this

@@ -7,8 +7,8 @@
 namespace gecos::session {
 namespace {
 
-/// Returns the user whom the kernel or a key names. The claims in a greeting do not count: if
-/// neither names a user, the client counts as a client of this program's user.
+/// Returns the user whom the kernel or a key proves. If neither proves a user, the client counts as
+/// a client of this program's user; what the client claims in its Hello does not count.
 std::string proved_user(ServerSession& session) {
   const media::Peer& peer = session.connection().peer();
   const bool proved = peer.uid.has_value() || !peer.user.empty();

@@ -13,7 +13,7 @@
 
 namespace gecos::session {
 
-/// Says whether the password of a client may be compared now, and counts the wrong passwords of
+/// Decides whether the password of a client may be compared now, and counts the wrong passwords of
 /// each user. Not thread-safe: the object's mutex guards it.
 class PasswordCheck {
  public:
@@ -35,7 +35,8 @@ class PasswordProver {
   /// `then` with nullopt when there is not enough memory to derive the proof. Returns false when
   /// this process cannot create the thread.
   bool prove(access::Proof password, std::function<void(std::optional<access::Proof>)> then);
-  /// Waits until all proofs have been derived that `prove` has begun. Later calls of `prove` fail.
+  /// Waits until all proofs have been derived for which `prove` was called. Later calls of `prove`
+  /// fail.
   void join() { executor_.join(); }
 
  private:

@@ -14,18 +14,20 @@ class PresenceGuard {
  public:
   explicit PresenceGuard(HostState& object) : object_(object) {}
 
-  /// Returns the name of the zone in which the object is; an empty text if it is in none.
+  /// Returns the name of the zone in which the object is; an empty text if the object is in no
+  /// zone.
   std::string zone();
   /// The object is in `zone` from now on.
   void enter(const std::string& zone);
-  // The functions below ignore a `zone` that is not the zone of the object, because the object may
-  // have left it.
+  // The following functions ignore a `zone` that is not the zone of the object, because the object
+  // may have left that zone.
+
   /// Takes a report of `zone` that was made at `made`, by CLOCK_BOOTTIME of this host.
   void take(const std::string& zone, access::ObjectPresence::Report report, TimePoint made);
   /// Forgets the last report of `zone`: from now on it is not known whether a person is present.
   /// `why`: the reason, for people.
   void forget(const std::string& zone, const std::string& why);
-  /// Forgets the last report, whatever the zone.
+  /// Forgets the last report, whichever zone it is from.
   void forget(const std::string& why);
   void on_tick();
 

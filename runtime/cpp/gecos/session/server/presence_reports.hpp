@@ -10,10 +10,10 @@
 
 namespace gecos::session {
 
-/// Returns why a call must not be queued that reports for a door or a button of a zone (the
-/// interface gecos::Zone): the user of the client may not report for this source
-/// (UserRights::refusal_to_report). Returns nullopt for all other calls. So every server of a zone
-/// checks its reports, whatever its servant does.
+/// If the call reports for a source of a zone (the interface gecos::Zone), such as a door contact,
+/// and the user of the client may not report for this source, returns the failure of the call
+/// (UserRights::refusal_to_report). Otherwise returns nullopt. So the reports to a zone are always
+/// checked, whatever the servant of the zone does.
 std::optional<Failure> refusal_to_report(const ObjectSetup& setup, ServerSession& session,
                                          const wire::PacketView& call,
                                          const OperationDescription& operation);

@@ -18,7 +18,8 @@ void ReadingLane::push(Entry entry) {
 }
 
 ReadingLane::Entry ReadingLane::take(FunctionRef<bool(const QueueEntry&)> wanted) {
-  // One pass: the entry that is found last is of the client whose turn comes first.
+  // One pass is enough: each further entry that is found belongs to a client whose turn comes
+  // earlier, so the entry found last is the result.
   auto turn = readers_.end();
   auto next = waiting_.end();
   for (auto at = waiting_.begin(); at != waiting_.end() && turn != readers_.begin(); ++at) {

@@ -13,27 +13,28 @@ namespace gecos::session {
 struct QueueEntry;
 
 /// The readings that wait at an object. The clients take turns, and the readings of one client
-/// start in the order in which they came. So a reading waits for at most one reading of each other
-/// session, however many those have asked for, and for the handler that runs. Not thread-safe.
+/// start in the order in which they arrived. So a reading waits for the running handler and for at
+/// most one reading of each other client, however many readings the other clients have issued. Not
+/// thread-safe.
 class ReadingLane {
  public:
   using Entry = std::shared_ptr<QueueEntry>;
 
   void push(Entry entry);
-  /// Removes and returns the reading that starts next among those that `wanted` selects; null if
-  /// there is none.
+  /// Among the readings that `wanted` selects, removes and returns the one that starts next; null
+  /// if there is none.
   Entry take(FunctionRef<bool(const QueueEntry&)> wanted);
-  /// Removes a reading; returns false when it does not wait here.
+  /// Removes a reading. Returns false when the reading does not wait here.
   bool remove(const QueueEntry& entry);
   void clear();
 
   bool empty() const { return waiting_.empty(); }
   std::size_t size() const { return waiting_.size(); }
-  /// The readings that wait, in the order in which they came.
+  /// Returns the waiting readings in the order in which they arrived.
   const std::deque<Entry>& waiting() const { return waiting_; }
 
  private:
-  /// A client with readings that wait.
+  /// A client that has waiting readings.
   struct Reader {
     SessionId client;
     std::size_t waiting;

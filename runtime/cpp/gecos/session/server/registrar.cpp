@@ -24,14 +24,14 @@ namespace {
 
 constexpr Duration patience = std::chrono::seconds(2);
 /// The time for which the registrar's thread waits for a broker. Actor commands wait for the same
-/// time, and are then refused because no broker answers.
+/// time. After it, they are refused because no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
 /// A missing broker is not reported before this time has passed, because server and broker are
 /// often started together.
 constexpr Duration report_after = std::chrono::seconds(1);
 
-/// Returns whether other processes can find `entry`. If so, the broker may assign the name to
+/// Returns whether other processes can find `entry`. If they can, the broker may assign the name to
 /// another server.
 bool others_find(const Entry& entry, const ClientConnection& broker) {
   const auto elsewhere = [](const std::string& address) {
@@ -41,9 +41,9 @@ bool others_find(const Entry& entry, const ClientConnection& broker) {
   return elsewhere(broker.place()) && std::ranges::any_of(entry.addresses, elsewhere);
 }
 
-/// Returns a number for a list of admitted names that is greater than that of each earlier list of
-/// this process. Two servers of one process may serve one name, one after the other, and the broker
-/// keeps the list with the greater number.
+/// Returns a number for a list of admitted names. The number is greater than that of every earlier
+/// list of this process. Two servers of one process may serve one name, one after the other, and
+/// the broker keeps the list with the greater number.
 std::uint64_t next_number() {
   static std::atomic<std::uint64_t> last{0};  // publishes nothing but itself
   return ++last;

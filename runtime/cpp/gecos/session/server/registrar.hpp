@@ -24,23 +24,23 @@ class ObjectHost;
 /// pause of this process.
 class Registrar {
  public:
-  /// `access` says whom the broker is told that this server admits.
+  /// `access` knows which users this server admits, and the broker is told of these users.
   Registrar(std::shared_ptr<Context> lab, std::shared_ptr<BrokerContact> contact,
             std::shared_ptr<AccessControl> access);
   ~Registrar() { end(); }
 
   /// Waits until a broker answers, because the broker may still be starting. On failure returns a
-  /// text with the addresses that were tried and why each failed.
+  /// text with the addresses that were tried, and for each address the reason of the failure.
   tl::expected<void, std::string> await_broker(TimePoint deadline);
   /// Registers `object`. Clients can find the object when this function has returned. Fails when no
   /// broker answers or the name is taken.
   tl::expected<void, std::string> add(const std::shared_ptr<ObjectHost>& object,
                                       std::vector<std::string> addresses);
-  /// Asks the broker whom the laboratory has revoked, if it is time. Starts the search for a new
-  /// broker if the broker was lost. Never blocks.
+  /// If it is time, asks the broker which users the laboratory has revoked. If the broker was lost,
+  /// starts the search for a new broker. Never blocks.
   void look();
-  /// Must be called when the list of the program or the lab file has changed. If an object admits
-  /// others now, tells the broker soon.
+  /// Must be called when the list of the program or the lab file has changed. If an object now
+  /// admits other users than before, the broker is told soon.
   void renew_lists();
   /// Makes the thread of the registrar ask the broker again whether it confirms the names of all
   /// objects.
@@ -64,28 +64,28 @@ class Registrar {
     BrokerAnswer broker = BrokerAnswer::Other;
     bool lost = false;  ///< the session with the broker was lost during the query
   };
-  /// Asks the broker about all names and passes the answers to the objects. Returns how long to
-  /// wait before the broker is asked again; Duration::max() when the answers for all names are
-  /// final.
+  /// Asks the broker whether it confirms the names, and passes the answers to the objects. Returns
+  /// how long to wait before the broker is asked again; Duration::max() when the answers for all
+  /// names are final.
   Duration ask(const std::vector<Registration>& registrations);
   Answers ask_broker(const std::vector<Registration>& registrations, TimePoint deadline);
-  /// Gives `registration` the names that the object admits now, at most as many as the broker
-  /// takes. Gives them a new number and returns true if they differ from those that it had.
+  /// Updates the list of the users and hosts that the object admits, with at most as many names as
+  /// the broker accepts. If the list has changed, gives it a new number and returns true.
   bool renew(Registration& registration) const GECOS_REQUIRES(mutex_);
   tl::expected<Broker, NoBroker> find_broker(TimePoint deadline);
   void ask_soon() GECOS_REQUIRES(mutex_);
   Duration served_for(const Registration& registration) const;
   tl::expected<Duration, std::string> register_first(Registration& registration,
                                                      TimePoint deadline);
-  /// Logs a warning, once, if this server admits others by the list of its program, the broker is
-  /// of another user, and programs of other users cannot reach this server over shm.
+  /// Logs a warning, once, if the broker runs as another user, this server admits other users by
+  /// the list of its program, and these users cannot reach this server over shm.
   void note_reach(const Registration& registration) GECOS_REQUIRES(mutex_);
   /// Logs a warning, once, when no broker has answered for a while. `missing`: why no broker
   /// answers; empty when a broker answers.
   void note_broker(const std::string& missing);
-  /// Returns whether `name`, which another object has, may become free before the deadline: the
-  /// process of that object has ended on this host, or the object has just left the list, or its
-  /// server is silent and loses the name in time.
+  /// Returns whether `name`, which another object has, may become free before the deadline. This is
+  /// so if the server process of that object has ended on this host, if the object has just left
+  /// the list, or if its server is silent and loses the name in time.
   bool becomes_free(const std::string& name, TimePoint deadline) const;
   /// Sleeps for `length`. Returns false when the deadline has passed or `end` was called.
   bool rest(Duration length, TimePoint deadline);
@@ -94,8 +94,8 @@ class Registrar {
   const std::shared_ptr<BrokerContact> contact_;
   const std::shared_ptr<AccessControl> access_;
   Mutex mutex_;
-  ConditionVariable changed_;  ///< `thread_` and `rest` wait on it, so notify it with notify_all
-                               ///< only
+  /// `thread_` and `rest` wait on this variable, so it must be notified with notify_all only.
+  ConditionVariable changed_;
   std::vector<Registration> registrations_ GECOS_GUARDED_BY(mutex_);
   Broker broker_ GECOS_GUARDED_BY(mutex_);  ///< the broker with which the objects are registered
   /// The address of the first broker; later brokers are expected at the same address.

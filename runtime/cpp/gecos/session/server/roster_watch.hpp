@@ -31,8 +31,8 @@ class RosterWatch {
   /// the end of each status that has ended.
   void note_change(std::string_view why_ended);
 
-  /// Replies with the roster. While there is no newer change than `asked.after`, the reply waits,
-  /// at most `asked.patience`.
+  /// Replies with the roster. While there is no change newer than `asked.after`, the reply waits,
+  /// at most for `asked.patience`.
   void ask(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
            const GecosObject_roster_arguments& asked);
   OpenQuestions& questions() { return questions_; }

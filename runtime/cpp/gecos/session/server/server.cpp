@@ -37,7 +37,7 @@ namespace {
 /// Number of descriptors that must be left to accept a client. LCM opens this many to send to one
 /// client.
 constexpr std::size_t descriptors_of_a_client = 16;
-/// Time between two looks at the lab file.
+/// Time between two checks of the lab file.
 constexpr Duration between_looks = std::chrono::seconds(1);
 
 bool within_process(const std::shared_ptr<media::Acceptor>& acceptor) {
@@ -51,7 +51,7 @@ tl::unexpected<ServeError> served_already(const std::string& name, const Servant
                                    "each name"});
 }
 
-/// Throws std::invalid_argument if a list cannot have one of `names`.
+/// Throws std::invalid_argument if a list of users or hosts cannot contain one of `names`.
 void check_names(const std::vector<std::string>& names, const std::string& what) {
   for (std::size_t at = 0; at < names.size(); ++at) {
     const auto fault =
@@ -91,13 +91,13 @@ class Server::Core {
   void allow(std::vector<std::string> users, std::vector<std::string> hosts);
   void run();
   void shut_down();
-  /// True in a forked child: the server's threads do not exist there, so the child cannot end the
-  /// server.
+  /// Returns true in a forked child. The server's threads do not exist there, so the child cannot
+  /// end the server.
   bool inherited() const { return getpid() != owner_; }
 
  private:
-  /// The object whose `on_tick` the maintenance thread calls. Its pointer to the server is cleared
-  /// before the parts of the server are destroyed.
+  /// The maintenance thread calls `on_tick` of this object. The pointer to the server is set to
+  /// null before the parts of the server are destroyed.
   struct Upkeep final : session::TickTarget {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
     TimePoint on_tick(TimePoint now) override;
@@ -114,11 +114,12 @@ class Server::Core {
   tl::expected<Opened, ServeError> open_places(const std::string& name,
                                                const ObjectOptions& options);
   session::UserRights rights() const;
-  /// Says on stderr and in the audit that every user of every host may connect to an object.
+  /// Prints a warning to stderr, and records in the audit, that every user of every host may
+  /// connect to an object.
   void announce_insecure(const std::string& name) const;
   /// Moves objects to the zones in which an edit of the lab file has placed them, and tells the
-  /// broker whom the objects admit since the edit. An object leaves all zones only when it is
-  /// served anew.
+  /// broker which users the objects admit after the edit. If the edit places an object in no zone,
+  /// the object stays in its zone until it is served anew.
   void follow_lab_file(TimePoint now) GECOS_REQUIRES(mutex_);
 
   const pid_t owner_ = getpid();
@@ -135,7 +136,7 @@ class Server::Core {
   session::Registrar registrar_;
   session::ZoneWatches zones_ GECOS_GUARDED_BY(mutex_);
   TimePoint next_look_ GECOS_GUARDED_BY(mutex_){};  ///< when the lab file is to be read again
-  /// The lists of the lab file that `follow_lab_file` has applied last.
+  /// The lists of the lab file that `follow_lab_file` applied most recently.
   std::shared_ptr<const access::LabAccess> followed_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<Upkeep> upkeep_;
 };
@@ -200,7 +201,7 @@ void Server::Core::follow_lab_file(TimePoint now) {
 Server::Core::~Core() {
   registrar_.end();
   {
-    // Lock order: `upkeep_->mutex` before `mutex_`, as in the maintenance thread.
+    // The lock order is the same as in the maintenance thread: `upkeep_->mutex` before `mutex_`.
     const MutexLock lock(upkeep_->mutex);
     upkeep_->core = nullptr;
   }
@@ -234,7 +235,7 @@ session::UserRights Server::Core::rights() const {
           }};
 }
 
-/// Writes to stderr and not to the log, because GECOS_LOG must not hide it.
+/// Writes to stderr and not to the log, because GECOS_LOG must not hide this warning.
 void Server::Core::announce_insecure(const std::string& name) const {
   const std::string line(72, '*');
   std::fprintf(stderr,
@@ -258,9 +259,9 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     auto acceptor = [&]() -> tl::expected<std::unique_ptr<media::Acceptor>, media::MediumError> {
       const auto medium = lab_->runtime()->medium(kind);
       if (!medium) return tl::unexpected(medium.error());
-      // The well-known address of a medium exists only once. Within a host the object must be
-      // served at that address. Over a network this may fail, because another host has the address
-      // or there is no network.
+      // The well-known address of a medium exists only once in a host. If no other host can reach
+      // the medium, the object must be served at that address. Over a network this may fail,
+      // because another host has the address or there is no network.
       needed = needed ||
                (options.well_known && (*medium)->capabilities().reach != media::Reach::Network);
       try {
@@ -331,7 +332,7 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   auto object = std::make_shared<ObjectHost>(lab_->runtime(), name, servant, std::move(options),
                                              audit_, rights(), zone);
   if (admission_ == Admission::Insecure) announce_insecure(name);
-  // Another thread may have added the servant meanwhile.
+  // Another thread may have added the servant in the meantime.
   if (!servant.gecos_attach(object)) return served_already(name, servant);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
   {
@@ -373,7 +374,7 @@ std::ostream& operator<<(std::ostream& out, const ServeError& error) { return ou
 Server::Server(Lab& lab, Admission admission)
     : core_(Core::make(session::LabAccess::context(lab), admission)) {}
 Server::~Server() {
-  // A forked child leaks the core, which belongs to its parent.
+  // In a forked child the core is leaked, because the core belongs to the parent process.
   if (core_ && (*core_)->inherited()) static_cast<void>(core_->release());
 }
 

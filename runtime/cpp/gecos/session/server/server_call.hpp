@@ -18,7 +18,7 @@ namespace gecos::session {
 class ObjectHost;
 class ServerSession;
 
-/// Describes for which call the thread of a handler waits without a time-out, and since when.
+/// Says which call the thread of a handler waits for without a time-out, and since when.
 struct HandlerWait {
   CommandId command;
   std::string name;
@@ -58,8 +58,9 @@ class ServerCall final : public CallCore,
   /// the call is written, with the object's mutex held.
   void note_mark(TimePoint now) { marked_at_.store(now, std::memory_order_relaxed); }
 
-  /// `listener` returns the session in which progress and outcome of this call are reported.
-  /// `counter_in` returns the counter of the call in that session. Both require the object's mutex.
+  /// `listener` returns the session in which the progress and the outcome of this call are
+  /// reported. `counter_in` returns the counter of the call in a session. Both functions require
+  /// the object's mutex.
   ServerSession& listener() const { return resumed_in ? *resumed_in : *session; }
   std::uint64_t counter_in(const ServerSession& teller) const {
     return resumed_in.get() == &teller ? resumed_counter : counter;
@@ -84,8 +85,8 @@ class ServerCall final : public CallCore,
   TimePoint arrived{};  ///< set only when the end of the call will be logged
   std::optional<HandlerWait> waits_for;
   bool listed = false;  ///< the call is in ObjectCalls::open_
-  /// Why the call is left out: an earlier one of its chain did not succeed. Set when this is known;
-  /// a handler that has begun is then interrupted.
+  /// Why the call is left out: the failure of an earlier call of its chain. Set as soon as that
+  /// failure is known; a handler that has begun is then interrupted.
   std::optional<BlendChain::LeftOut> left_out;
   OperationCounts* counts = nullptr;  ///< of its operation; set when the call is queued
   HandlerTiming timing{};

@@ -51,20 +51,23 @@ class ServerSession {
   }
 
   // The functions below require the object's mutex.
+
   /// `because_of`: the counter of the failed command because of which this one was left out; 0 if
   /// it was not.
   void reply(std::uint64_t counter, const Failure& failure, std::uint64_t because_of = 0);
   void reply(std::uint64_t counter, ByteView result);
-  /// Replies to the call `counter` with `before`, the reply that this call got in another session.
+  /// Replies to the call `counter` with `before`, the reply that this call had in an earlier
+  /// session.
   void reply_as(std::uint64_t counter, const wire::PacketView& before);
   /// Sends the latest progress of `call`. Returns true when it was sent, false when the connection
   /// has no room.
   bool report(const ServerCall& call, Detail detail, std::size_t position);
-  /// Tells the client that its call `counter` waits, with `position` calls before it. Returns true
-  /// when this was sent.
+  /// Tells the client that its call `counter` waits and that `position` calls are before it.
+  /// Returns whether the packet was sent.
   bool report_queued(std::uint64_t counter, std::size_t position);
 
   // Any thread may call the functions below.
+
   /// Sends a packet now, or as soon as the connection has room. Packets, replies included, are sent
   /// in order.
   void send(wire::PacketHeader header, ByteView body);
@@ -72,7 +75,7 @@ class ServerSession {
   tl::expected<Subscription, std::string> share(const StreamDescription& stream);
   void unshare(std::uint32_t id);
 
-  /// Used only by the thread that polls.
+  /// Only the polling thread uses the following members.
   struct Polled {
     bool active = true;        ///< the connection is polled
     unsigned quiet_looks = 0;  ///< 0: a packet came since the last ActiveSessions::retire_idle
@@ -85,26 +88,27 @@ class ServerSession {
 
   Visit visit;
 
-  // when true, the polling thread removes the session; orders no other memory
+  // When true, the polling thread removes the session. Orders no other memory.
   std::atomic<bool> gone{false};
 
   // Guarded by the object's mutex.
   CallTable<ServerCall> calls;
   BlendChain chain;
   Intake intake;
-  /// Replies that the client may request again: all replies over a medium that loses packets, and
-  /// replies made after the connection was lost, which the client requests in another session.
+  /// The replies that the client may request again. Over a medium that loses packets, these are all
+  /// replies. Otherwise they are the replies made after the connection was lost, which the client
+  /// requests in another session.
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
-  /// Whether the session may feed inward streams now, and under which epoch. Written with the
-  /// object's mutex held.
+  /// Whether the session may feed inward streams now, and under which epoch. Written while the
+  /// object's mutex is held.
   const std::shared_ptr<FeedStanding> standing = std::make_shared<FeedStanding>();
-  std::map<FunctionCode, std::uint32_t> subscriptions;  ///< key: stream code; value: id of the
-                                                        ///< stream on the connection
+  /// The key is the code of a stream, the value is the id of the stream on the connection.
+  std::map<FunctionCode, std::uint32_t> subscriptions;
   /// The epoch in which this session acquired its status; its own `stop` calls renew the status
   /// under higher epochs.
   std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
-  /// The epoch of the session's status if it is newer than the epoch in the client's grant. Every
-  /// reply then tells the client this epoch. Epoch{}: the client knows the epoch from its grant.
+  /// The epoch of the session's status, if it is newer than the epoch that the client got with the
+  /// grant. Every reply then tells the client the newer epoch. Otherwise Epoch{}.
   Epoch renewed{};
   /// For each lane, the highest counter that was marked as started (start_words.hpp).
   std::array<std::uint64_t, media::shared_word_count> marked{};

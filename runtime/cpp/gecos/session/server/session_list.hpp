@@ -17,7 +17,7 @@ class SessionList {
  public:
   using Session = std::shared_ptr<ServerSession>;
 
-  /// Returns a key that no session had before; never 0.
+  /// Returns a key that no session has had so far; never 0.
   std::uint64_t new_key();
   void add(std::uint64_t key, Session session);
   /// Returns the session with this key; null when there is none.

@@ -32,9 +32,9 @@ void note_failed(const ObjectSetup& setup, ServerSession& session, const wire::P
   session.chain.failed({call.counter, std::string(operation->name), failure.detail, failure.text});
 }
 
-/// Notes in the chain of `session` that the call of `operation` in `packet` has arrived, and what
-/// its client reports with it. Returns the arguments of the call; fails if the report is malformed,
-/// or if flags of a later version may stand for another form of the body.
+/// Notes in the chain of `session` that the call in `packet` has arrived, and what the client
+/// reports with it. Returns the arguments of the call. Fails if the report is malformed, or if the
+/// packet has flags of a later version, with which the body may have another form.
 tl::expected<ByteView, Failure> note_arrival(ServerSession& session, const wire::PacketView& packet,
                                              const OperationDescription* operation) {
   const wire::PacketHeader& header = packet.header;
@@ -65,7 +65,7 @@ tl::expected<ByteView, Failure> note_arrival(ServerSession& session, const wire:
   return arguments;
 }
 
-/// Ends the commands that run or wait, because `by` replaces them.
+/// Ends the running and waiting commands that the command `by` replaces.
 void preempt(ObjectCalls& calls, const ServerCall& by) {
   const Failure failure{Detail::Preempted,
                         "replaced by '" + std::string(by.operation().name) + "' of " +
@@ -84,13 +84,13 @@ void SessionPackets::take(const Session& session, ByteView bytes) {
   if (header.kind == wire::PacketKind::Hello) {
     return greet(session, *packet, setup_, calls_.outcomes(), {statuses_.now(), closed_});
   }
-  // ignored: this server has only sessions of its own protocol version
+  // The packet is ignored, because this server has only sessions of its own protocol version.
   if (header.version != wire::packet_version) return;
   const bool theirs = session->greeted() && header.session == session->id();
   if (header.kind == wire::PacketKind::Goodbye) {
     if (theirs) {
       session->left = true;
-      // A client that sent its Goodbye while this process was suspended may be dead by now.
+      // A client that has sent its Goodbye while this process was suspended may have died since.
       if (header.flags == withdraws || unheard_since_a_pause(*session)) withdraw(*session);
       statuses_.release_all(*session);
     }
@@ -114,7 +114,7 @@ void SessionPackets::take(const Session& session, ByteView bytes) {
 }
 
 void SessionPackets::depart(ServerSession& session) {
-  // The calls for which these deferred calls wait will not arrive any more.
+  // Each deferred call waits for an earlier call, which will not arrive any more.
   while (const auto counter = session.intake.first_aside()) {
     end_early(
         session, *counter, Detail::Rejected,
@@ -140,7 +140,7 @@ bool SessionPackets::unheard_since_a_pause(const ServerSession& session) const {
   return session.heartbeats.awaited || setup_.pauses().suspected(setup_.clock().since_boot());
 }
 
-/// Ends the calls of `session` that have not started, because its client has given them up.
+/// Ends the calls of `session` that have not started, because the client has given them up.
 void SessionPackets::withdraw(ServerSession& session) {
   session.intake.withdraw();  // so that calls that wait for a thread do not start either
   while (const auto counter = session.intake.first_aside()) {
@@ -154,8 +154,8 @@ void SessionPackets::withdraw(ServerSession& session) {
   calls_.note_ready();
 }
 
-/// Ends or interrupts the call `counter`, and the commands of its chain that were issued after it,
-/// up to the call `last`.
+/// Ends or interrupts the call `counter`. Does the same with the commands of its chain that were
+/// issued after it, up to the call `last`.
 void SessionPackets::cancel(ServerSession& session, std::uint64_t counter, std::uint64_t last) {
   constexpr const char* before_start = "canceled before it started";
   const Failure left_line{Detail::Canceled, "canceled while the request waited", {}, {}};
@@ -191,7 +191,7 @@ void SessionPackets::cancel(ServerSession& session, std::uint64_t counter, std::
   }
 }
 
-/// Cancels the commands of `session` that wait and were issued after the command `counter`, up to
+/// Cancels the waiting commands of `session` that were issued after the command `counter`, up to
 /// the command `last`.
 void SessionPackets::cancel_later(ServerSession& session, std::uint64_t counter,
                                   std::uint64_t last) {
@@ -231,9 +231,9 @@ void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter)
   }
   const auto* found = session.calls.find(counter);
   if (found == nullptr) {
-    // A query is not answered in three cases. A call that never arrived is sent again by its
-    // client. A call whose reply was acknowledged was queried too late. A deferred call must look
-    // to its client as if it had not arrived.
+    // A query is not answered in three cases. If the call has never arrived, its client sends it
+    // again. If the reply was acknowledged, the query came too late. If the call is deferred, it
+    // must look to its client as if it had not arrived.
     if (session.intake.is_aside(counter)) return;
     if (!session.intake.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter,
@@ -247,7 +247,7 @@ void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter)
   session.report(call, call.state.detail(), calls_.queue().position(call).value_or(0));
 }
 
-// From the arrival of a call to the queue
+// The functions below take a call from its arrival to the queue.
 
 void SessionPackets::arrive(const Session& session, const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
@@ -336,7 +336,8 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
   if (!too_early(*session, packet, *operation, age)) take_in_turn(session, packet, *operation, age);
 }
 
-/// Notes that an actor command has arrived in its turn, and admits the call.
+/// Notes that a call has arrived, and admits it. The calls that must be admitted earlier have
+/// already arrived.
 void SessionPackets::take_in_turn(const Session& session, const wire::PacketView& packet,
                                   const OperationDescription& operation, Age age) {
   wire::PacketView call = packet;
@@ -391,7 +392,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
   }
   if (call->lane != CallLane::Actor) return;
   if (operation.on_new == OnNew::Preempt) preempt(calls_, *call);
-  // A preempting command has just ended the commands before it.
+  // If the command preempts others, it has just ended the commands before it.
   const auto position = *commands_before == 0 ? 0 : calls_.queue().position(*call).value_or(0);
   if (position != 0 || session->repeats() || setup_.runs_long(operation)) {
     call->position_sent = position;
@@ -399,7 +400,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
   }
 }
 
-/// Returns why the call must not be queued; nullopt when it may.
+/// Returns why the call must not be queued; nullopt when it may be queued.
 std::optional<Failure> SessionPackets::refusal(ServerSession& session,
                                                const wire::PacketView& packet,
                                                const OperationDescription& operation) {
@@ -418,7 +419,7 @@ std::optional<Failure> SessionPackets::refusal(ServerSession& session,
   return std::nullopt;
 }
 
-// Calls that arrive before calls that were issued earlier
+// The functions below handle calls that arrive before calls that were issued earlier.
 
 /// A medium that loses packets may reorder commands. Defers a command that arrives before an
 /// earlier command; otherwise an arm could move to its second goal first. Returns true when the
@@ -440,7 +441,7 @@ bool SessionPackets::too_early(ServerSession& session, const wire::PacketView& p
   return true;
 }
 
-/// Processes the deferred calls for which no earlier call is missing any more.
+/// Processes those deferred calls for which all earlier calls have now arrived.
 void SessionPackets::take_early(const Session& session) {
   if (session->intake.aside() == 0) return;
   const TimePoint now = setup_.clock().since_boot();
@@ -456,12 +457,12 @@ void SessionPackets::end_early(ServerSession& session, std::uint64_t counter, De
   session.reply(counter, Failure{how, why, {}, {}});
 }
 
-// Calls of a session that the client has lost
+// The functions below handle calls that were first sent in a session that the client has lost.
 
 /// Processes a call that was first sent in a lost session. If the server still knows the lost
-/// session, a call that runs is reported in `session`, and a call that has ended is answered again.
-/// A call that has not arrived may no longer start in the lost session; it becomes a new call in
-/// `session`.
+/// session, there are three cases. A call that runs is from now on reported in `session`. A call
+/// that has ended is answered again. A call that has not arrived becomes a new call in `session`,
+/// and may no longer start in the lost session.
 void SessionPackets::take_again(const Session& session, const wire::PacketView& packet, Age age) {
   wire::Decoder from(packet.body);
   SentBefore sent;
@@ -474,7 +475,8 @@ void SessionPackets::take_again(const Session& session, const wire::PacketView& 
   call.header.flags = 0;
   call.body = packet.body.subspan(packet.body.size() - from.remaining());
   const OperationDescription* const operation = setup_.interface.find(packet.header.code);
-  // The lost session may not have been that of a visitor, so its replies may tell too much.
+  // A visitor gets no replies of the lost session, because they may contain what a visitor must not
+  // know.
   const bool visits = session->visit.visitor() != nullptr;
   if (operation == nullptr || !operation->idempotent || lost == session->id() || visits) {
     return take_call(session, call, age);
@@ -492,7 +494,7 @@ void SessionPackets::take_again(const Session& session, const wire::PacketView& 
   take_call(session, call, age);
 }
 
-/// Makes `session` the session in which progress and outcome of `call` are reported.
+/// From now on, reports the progress and the outcome of `call` in `session`.
 void SessionPackets::resume(const Session& session, const wire::PacketView& packet,
                             std::shared_ptr<ServerCall> call) {
   if (call->operation().code != packet.header.code) {
@@ -507,7 +509,8 @@ void SessionPackets::resume(const Session& session, const wire::PacketView& pack
   session->report(*call, call->state.detail(), calls_.queue().position(*call).value_or(0));
 }
 
-/// Prevents the call `counter` from starting if it still arrives in `before`, its first session.
+/// Makes sure that the call `counter` does not start if it still arrives in `before`, its first
+/// session.
 void SessionPackets::reject_late(const Session& before, std::uint64_t counter) {
   if (before->closed || !before->repeats()) return;
   if (before->intake.is_aside(counter)) {

@@ -41,8 +41,8 @@ class SessionPackets {
 
  private:
   using Session = std::shared_ptr<ServerSession>;
-  /// Time since the client sent a call; nullopt for the packet that was read last, whose age the
-  /// connection knows.
+  /// The time since the client sent a call. nullopt stands for the packet that was read last,
+  /// because the connection knows the age of this packet.
   using Age = std::optional<Duration>;
 
   void acknowledge(const Session& session, std::uint64_t counter);
@@ -53,7 +53,7 @@ class SessionPackets {
   void cancel_running(ServerSession& session, ServerCall& call);
   void answer_again(ServerSession& session, std::uint64_t counter);
 
-  // From the arrival of a call to the queue.
+  // The functions below take a call from its arrival to the queue.
   void arrive(const Session& session, const wire::PacketView& packet);
   void refuse_late(ServerSession& session, const wire::PacketView& packet);
   void take_call(const Session& session, const wire::PacketView& packet, Age age = {});
@@ -64,14 +64,14 @@ class SessionPackets {
   std::optional<Failure> refusal(ServerSession& session, const wire::PacketView& packet,
                                  const OperationDescription& operation);
 
-  // Calls that arrive before calls that were issued earlier.
+  // The functions below handle calls that arrive before calls that were issued earlier.
   bool too_early(ServerSession& session, const wire::PacketView& packet,
                  const OperationDescription& operation, Age age);
   void take_early(const Session& session);
   void end_early(ServerSession& session, std::uint64_t counter, Detail how, const std::string& why);
   void cancel_later(ServerSession& session, std::uint64_t counter, std::uint64_t last);
 
-  // Calls of a session that the client has lost.
+  // The functions below handle calls that were first sent in a session that the client has lost.
   void take_again(const Session& session, const wire::PacketView& packet, Age age);
   void resume(const Session& session, const wire::PacketView& packet,
               std::shared_ptr<ServerCall> call);

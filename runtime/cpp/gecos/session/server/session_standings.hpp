@@ -23,8 +23,8 @@ class SessionStandings {
 
   /// Must be called whenever a status or a take-over begins or ends.
   void note_change(const access::LeaseTable& leases, TimePoint now);
-  /// Must be called when the epoch rose although statuses continue: from then on, each reply to a
-  /// holder contains the newer epoch.
+  /// Must be called when the epoch has risen although statuses continue. From then on, each reply
+  /// to a holder contains the newer epoch.
   void note_newer_epoch(const access::LeaseTable& leases);
 
  private:

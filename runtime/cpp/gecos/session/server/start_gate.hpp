@@ -13,7 +13,7 @@
 
 namespace gecos::session {
 
-/// The kind of thread on which calls are started.
+/// The kind of thread that starts calls.
 enum class Starter : std::uint8_t {
   Poller,  ///< the thread that polls; runs short handlers itself
   Worker,  ///< a worker thread of the object; runs short handlers itself
@@ -37,14 +37,14 @@ class StartGate {
         calls_(calls) {}
 
   /// Removes the next call that may start from the queue and returns it; null when there is none.
-  /// Marks the call as started if the thread of kind `starter` runs the handler itself. Ends calls
+  /// If the thread of kind `starter` runs the handler itself, marks the call as started. Ends calls
   /// that may no longer start.
   std::shared_ptr<ServerCall> next(Starter starter);
   /// Returns whether `call` may still start. Ends the call when it may not.
   bool may_start(ServerCall& call);
 
-  /// Prevents the calls of `session` from starting, and its samples from being read, before the
-  /// next heartbeat of its client.
+  /// Until the next heartbeat of its client, prevents the calls of `session` from starting and its
+  /// samples from being read.
   void await_heartbeat(ServerSession& session);
   /// Ends the wait that await_heartbeat() began. Must be called when a heartbeat arrived, or when
   /// no heartbeat can arrive any more.

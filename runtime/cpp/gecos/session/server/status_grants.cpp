@@ -23,14 +23,15 @@ constexpr std::string_view released = "released";
 access::Status status_of(Status status) { return static_cast<access::Status>(status); }
 Status status_of(access::Status status) { return static_cast<Status>(status); }
 
-/// Returns the password as a proof, and wipes the text.
+/// Returns the proof that is made from the password, and wipes the password.
 access::Proof taken_from(std::optional<std::string>& password) {
   access::Proof proof = access::plain_proof(password.value_or(""));
   if (password) crypto::wipe(std::as_writable_bytes(std::span(*password)));
   return proof;
 }
 
-/// Returns the end of the text of a refusal; an empty text if the request did not wait.
+/// Returns the words with which the text of a refusal ends; an empty text if the request did not
+/// wait.
 std::string waited_in_vain(double patience, std::size_t before) {
   if (patience <= 0) return {};
   char text[96];
@@ -49,17 +50,16 @@ Failure recorded_refusal(const ObjectSetup& setup, const ServerSession& session,
                         std::move(holders));
 }
 
-/// Refuses the request `counter` of `session` for the status `wanted`, and records this.
+/// Refuses the request `counter` of `session` for the status `wanted`, and records the refusal.
 void refuse(const ObjectSetup& setup, ServerSession& session, std::uint64_t counter, Status wanted,
             const std::string& why, std::vector<Holder> holders) {
   session.reply(counter,
                 recorded_refusal(setup, session, counter, wanted, why, std::move(holders)));
 }
 
-/// Returns a command that still runs although the status under which it was issued has ended,
-/// unless its interface lets it finish (`@on_loss("finish")`). Returns null when there is no such
-/// command or when a client holds a status. While such a command runs, no client may be granted a
-/// status.
+/// Returns a running command that was issued under a status that has ended, unless the interface
+/// lets the command finish (`@on_loss("finish")`). Returns null when there is no such command or
+/// when a client holds a status. While such a command runs, no client may be granted a status.
 const ServerCall* outlives_its_status(const access::LeaseTable& leases, const ObjectQueue& queue) {
   if (!leases.roster().empty()) return nullptr;
   for (const QueueEntry* const entry : queue.running()) {
@@ -153,8 +153,8 @@ void StatusGrants::proved(SessionId session, std::uint64_t counter,
   serve_line();
 }
 
-/// Returns a refusal if the password of the client of `session` would be compared, but its user has
-/// given too many wrong passwords; otherwise nullopt.
+/// Returns a refusal if the password of the client of `session` would have to be compared, but the
+/// client's user has given too many wrong passwords. Otherwise returns nullopt.
 std::optional<access::LeaseRefusal> StatusGrants::too_many_wrong(ServerSession& session,
                                                                  access::Status wanted) const {
   if (!leases_.compares_password(session.id())) return std::nullopt;
@@ -165,15 +165,15 @@ std::optional<access::LeaseRefusal> StatusGrants::too_many_wrong(ServerSession& 
                               leases_.roster()};
 }
 
-/// Acquires the status for `request`. Does not compare the password if its user has given too many
-/// wrong passwords.
+/// Acquires the status for `request`. If its user has given too many wrong passwords, the password
+/// is not compared.
 tl::expected<access::Grant, access::LeaseRefusal> StatusGrants::try_to_acquire(
     StatusRequest& request, std::size_t before, TimePoint now) {
   using Reason = access::LeaseRefusal::Reason;
   ServerSession& session = *request.session;
   const access::Status wanted = status_of(request.wanted);
-  // A client that has released the status must not get it again before the clients that wait for
-  // it.
+  // A client that has released the status must not get it again before the clients that have waited
+  // for it.
   if (before > 0 && leases_.releasing(session.id())) {
     return tl::unexpected(leases_.refusal_to_return(wanted, now));
   }

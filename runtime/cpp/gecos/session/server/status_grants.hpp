@@ -23,15 +23,15 @@ namespace gecos::session {
 
 /// Grants the actor and master status of one object on request, and ends a status when its holder
 /// releases it, falls silent or is lost. When a status is lost, the commands issued under it end
-/// too. It has more methods than other classes, because each way in which a status begins or ends
-/// is a method. Not thread-safe: the object's mutex guards it.
+/// too. This class has more methods than other classes, because each way in which a status begins
+/// or ends is a method. Not thread-safe: the object's mutex guards it.
 class StatusGrants {
  public:
   /// Derives the proof of a password on another thread.
   class Prover {
    public:
     /// Begins to derive the proof of `password`. When the proof is derived, the prover must call
-    /// StatusGrants::proved. Returns false when no thread can be created for this.
+    /// StatusGrants::proved. Returns false when no thread can be created for the work.
     virtual bool prove(SessionId session, std::uint64_t counter, access::Proof password) = 0;
 
    protected:
@@ -63,7 +63,8 @@ class StatusGrants {
   /// The requests that wait.
   StatusLine& line() { return line_; }
   /// Grants the waiting requests that can be granted now, in the order of their arrival. Must be
-  /// called when a handler has returned. The functions below that end a status call it themselves.
+  /// called when a handler has returned. The functions below that end a status call `serve_line`
+  /// themselves.
   void serve_line();
   /// Refuses the waiting request with this id, because a holder of the status denies it. Returns
   /// false when no such request waits.
@@ -71,7 +72,8 @@ class StatusGrants {
   /// Refuses all waiting requests and replies to all questions, because the server is about to end.
   void close();
 
-  /// Keeps `session->standing` up to date until `depart`, because the session feeds inward streams.
+  /// From now until `depart`, keeps `session->standing` up to date, because the session feeds
+  /// inward streams.
   void note_feeder(const std::shared_ptr<ServerSession>& session);
 
   void renew(const ServerSession& session, TimePoint now) { leases_.renew(session.id(), now); }
@@ -84,8 +86,8 @@ class StatusGrants {
   /// Must be called when no command of `session` is open any more. Ends a status that the session
   /// has released.
   void commands_ended(SessionId session);
-  /// Releases the status of `session`, however often the session acquired it. The status ends when
-  /// the last command of the session has ended.
+  /// Releases the status of `session` completely, even if the session has acquired it several
+  /// times. The status ends when the last command of the session has ended.
   void release_all(ServerSession& session);
   /// Must be called when the connection of `session` has ended. If the connection ended `in_order`,
   /// the status of the session ends with its last command, otherwise at once.
@@ -94,7 +96,7 @@ class StatusGrants {
   /// requests, so that after a stop no program may command the object because of an earlier
   /// request.
   void stop(SessionId by, const std::string& why);
-  /// Ends every status as lost, and serves the waiting requests.
+  /// Ends every status as lost, then grants the waiting requests that can be granted.
   void break_all(const std::string& why);
   /// Ends the status of holders that were silent for too long, and refuses requests that have
   /// waited for too long.

@@ -10,7 +10,7 @@
 namespace gecos::session {
 namespace {
 
-/// Returns a predicate for the request with this counter in this session.
+/// Returns a function that is true for the request that arrived as the call `counter` of `session`.
 auto is(SessionId session, std::uint64_t counter) {
   return
       [=](const auto& asked) { return asked.session->id() == session && asked.counter == counter; };
@@ -111,7 +111,7 @@ void StatusLine::forget(SessionId session) {
   tell_places();
 }
 
-/// Returns whether a holder is shown `request` and may deny it.
+/// Returns whether `request` is shown to holders of the status, who may deny it.
 bool StatusLine::waits(const StatusRequest& request) const {
   return request.proof && request.give_up > clock_.now();
 }

@@ -25,8 +25,8 @@ struct StatusRequest {
   std::uint64_t id = 0;                   ///< by which holders deny it; set by StatusLine::add
   std::optional<access::Proof> proof{};   ///< nullopt while it is derived from the password
   bool compared = false;                  ///< its password was wrong and has been counted
-  std::optional<std::size_t> reported{};  ///< the number of earlier requests that was last sent to
-                                          ///< the client
+  /// The number of earlier requests that was last sent to the client.
+  std::optional<std::size_t> reported{};
 };
 
 /// Returns the beginning of `text` that is at most `longest` bytes long and valid UTF-8.
@@ -56,10 +56,11 @@ class StatusLine {
   bool add(StatusRequest request);
   /// Returns the request `counter` of `session`; null when no such request waits.
   StatusRequest* find(SessionId session, std::uint64_t counter);
-  /// Returns the request with this id if holders are shown it; otherwise null.
+  /// Returns the request with this id if it is shown to holders of the status; otherwise null.
   const StatusRequest* find(std::uint64_t id) const;
-  /// Returns how many requests wait before the request `counter` of `session`. Returns 0 if this
-  /// call is a question about requests, and nullopt if no such call waits.
+  /// Returns how many requests wait before the request `counter` of `session`. Returns 0 if the
+  /// call `counter` is not a request but a question about requests, and nullopt if no such call
+  /// waits.
   std::optional<std::size_t> place_of(SessionId session, std::uint64_t counter) const;
   /// Removes the call `counter` of `session`, which is a request or a question about requests, and
   /// replies with `failure`. Returns false when no such call waits.
@@ -89,8 +90,8 @@ class StatusLine {
     requests_ = std::move(stay);
   }
 
-  /// Tells each client how many requests are before its own, if that number has changed. Replies to
-  /// each question about requests that is answered by a new request.
+  /// Tells each client how many requests are before its own request, if that number has changed.
+  /// Replies to each question about requests that a new request answers.
   void tell_places();
 
  private:

@@ -16,7 +16,8 @@ constexpr std::size_t usual_depth = 16;
 constexpr const char* still_lent =
     "the memory of its next sample is lent; publish the loan or let it end first";
 
-/// The memory that the samples of a stream may take if its `depth` is not declared, in bytes.
+/// The memory in bytes that the samples of a stream may take if the interface does not declare its
+/// `depth`.
 constexpr std::size_t usual_memory = std::size_t{256} << 20;
 
 std::size_t depth_of(const StreamDescription& stream) {
@@ -62,7 +63,7 @@ tl::expected<media::StreamWriter*, std::string> StreamPort::writer_for(media::Ac
                             "@bulk sequence");
     }
     // The number of the newest sample is the same over all media. A session that moves to another
-    // medium goes on reading after the number that it has read last.
+    // medium continues after the number of the sample that it has read last.
     if (const std::uint64_t newest = newest_number(); newest != 0) {
       made->number_after(kept_ ? newest - 1 : newest);
     }
@@ -126,7 +127,7 @@ tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
         "the sample takes " + std::to_string(size) + " bytes, at most " + std::to_string(largest) +
         " fit; " + (stream_.largest == 0 ? "give its sequences and strings bounds" : "shorten it"));
   }
-  // Over shm there are most readers of large samples, so shm comes before inproc.
+  // Most readers of large samples use shm, so shm comes before inproc.
   for (auto held = writers_.rbegin(); held != writers_.rend(); ++held) {
     media::StreamWriter& writer = *held->second;
     auto owner = writer.lent_owner();
@@ -138,7 +139,7 @@ tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
     lent_.writer = &writer;
     return LentMemory{whole->first(size), std::move(owner)};
   }
-  // A binding may hold the memory of an earlier loan.
+  // A program in another language may still hold the memory of an earlier loan.
   if (lent_.own.use_count() != 1) lent_.own = std::make_shared<Bytes>();
   std::atomic_thread_fence(std::memory_order_acquire);  // after the last use by its borrower
   lent_.own->resize(size + measured_bytes);
@@ -175,7 +176,7 @@ void StreamPort::give_back(const LentMemory& memory) {
   if (lent_.first == memory.bytes.data()) end_loan();
 }
 
-/// Must be called when `ended`, a writer, is about to be destroyed.
+/// Must be called when the writer `ended` is about to be destroyed.
 void StreamPort::forget(const media::StreamWriter* ended) {
   if (lent_.writer == ended) end_loan();
   if (latest_in_ == ended) {
@@ -199,9 +200,10 @@ void StreamPort::publish_in_clear(media::Acceptor& acceptor) {
 }
 
 /// Sends while the mutex is held, as the writers of the media do, so that the samples of several
-/// publishing threads leave in the order of their numbers. The send is one UDP datagram (or its
-/// fragments) without an answer: it waits only while the send buffer of the socket is full, until
-/// the network card of this host has sent a part of it. No reader can make it wait.
+/// publishing threads leave in the order of their numbers. The sample is sent as one UDP datagram
+/// (or its fragments) without an answer. The send waits only while the send buffer of the socket is
+/// full, until the network card of this host has sent a part of the buffer. No reader can delay the
+/// send.
 void StreamPort::send_in_clear(ByteView sample) {
   write_open_message(open_message_, stream_.open_fingerprint.value_or(0), sample);
   for (const auto& [medium, channel] : open_channels_) {

@@ -17,11 +17,11 @@
 namespace gecos::session {
 
 /// Publishes one stream of an object. At the first subscription over a medium, creates the writer
-/// for that medium. Until the first subscription, keeps the latest sample of a stream, but no
-/// event.
+/// for that medium. Before the first subscription, keeps the latest sample of a stream; does not
+/// keep events.
 ///
-/// A sample that is written in place is not copied, unless several media have readers: then the
-/// others get a copy.
+/// A sample that is written in place is not copied, unless several media have readers: then each
+/// other medium gets a copy.
 ///
 /// `publish` locks no mutex of the object and uses no session. It allocates no memory when a sample
 /// of the same size was published before. Thread-safe.
@@ -33,13 +33,13 @@ class StreamPort {
 
   const StreamDescription& stream() const { return stream_; }
   void publish(ByteView sample, const SampleTime& time);
-  /// Lends memory of `size` bytes for the next sample. The memory is that of a medium whose readers
-  /// read it in place, if there is one with a subscription; otherwise it is private, and its sample
-  /// is copied for each medium. Lends nothing after close(). Fails with the reason if the sample is
-  /// too large, or while other memory of this stream is lent.
+  /// Lends memory of `size` bytes for the next sample. If a medium whose readers read samples in
+  /// place has a subscription, lends memory of that medium. Otherwise lends private memory, and the
+  /// sample is copied for each medium. Lends nothing after close(). Fails with the reason if the
+  /// sample is too large, or while other memory of this stream is lent.
   tl::expected<LentMemory, std::string> lend(std::size_t size);
-  /// Publishes the sample in `memory`, which lend() returned. Returns false if the stream over its
-  /// medium was closed meanwhile.
+  /// Publishes the sample in `memory`, which lend() returned. Returns false if the stream was
+  /// closed over the medium of this memory meanwhile.
   bool publish_lent(const LentMemory& memory, const SampleTime& time);
   /// Must be called when `memory`, which lend() returned, will not be published.
   void give_back(const LentMemory& memory);
@@ -50,8 +50,8 @@ class StreamPort {
   /// failure returns the reason.
   tl::expected<std::uint64_t, std::string> share(std::uint32_t id, media::Connection& connection,
                                                  media::Acceptor& acceptor);
-  /// Publishes all later samples of an @open_stream in clear, too, if `acceptor` has channels for
-  /// that. Does nothing for other streams.
+  /// If the stream is an @open_stream and `acceptor` has channels for open streams, publishes all
+  /// later samples in clear, too. Otherwise does nothing.
   void publish_in_clear(media::Acceptor& acceptor);
   /// Makes all later samples over `medium` unreadable for clients with whom the stream is no longer
   /// shared.
@@ -70,13 +70,13 @@ class StreamPort {
   /// Returns the latest sample with its measurement time. @pre kept_
   ByteView latest() const GECOS_REQUIRES(mutex_);
   void count(std::size_t size) GECOS_REQUIRES(mutex_);
-  /// Gives the latest sample to all media but that of `written`.
+  /// Gives the latest sample to all media except the medium of `written`.
   void distribute(const media::StreamWriter* written) GECOS_REQUIRES(mutex_);
   void end_loan() GECOS_REQUIRES(mutex_);
   void forget(const media::StreamWriter* ended) GECOS_REQUIRES(mutex_);
   tl::expected<media::StreamWriter*, std::string> writer_for(media::Acceptor& acceptor)
       GECOS_REQUIRES(mutex_);
-  /// Returns the number of the newest sample; 0 when no medium has one.
+  /// Returns the number of the newest sample; 0 when there is no sample yet.
   std::uint64_t newest_number() const GECOS_REQUIRES(mutex_);
   void send_in_clear(ByteView sample) GECOS_REQUIRES(mutex_);
   void drop(std::size_t size, std::string_view medium) GECOS_REQUIRES(mutex_);
@@ -90,8 +90,8 @@ class StreamPort {
   std::map<std::string_view, std::unique_ptr<media::OpenChannel>> open_channels_
       GECOS_GUARDED_BY(mutex_);  ///< by medium; of an @open_stream only
   Bytes open_message_ GECOS_GUARDED_BY(mutex_);
-  Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< the latest sample, with the measurement time
-                                           ///< appended
+  /// The latest sample, with the measurement time appended.
+  Bytes latest_ GECOS_GUARDED_BY(mutex_);
   /// The writer whose memory has the latest sample, which was written in place; null if `latest_`
   /// has it.
   media::StreamWriter* latest_in_ GECOS_GUARDED_BY(mutex_) = nullptr;

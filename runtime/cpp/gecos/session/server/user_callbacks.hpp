@@ -23,8 +23,8 @@ class UserCallbacks {
   void run(const std::function<void()>& what) const;
   /// Runs `what` on the maintenance thread, unless `end` is called first.
   void post(std::function<void()> what);
-  /// Waits until a posted callback that runs has returned. After that, no posted callback starts.
-  /// @pre the caller is not a posted callback
+  /// Waits until a posted callback that is running has returned. After that, no posted callback
+  /// starts. @pre the caller is not a posted callback
   void end();
 
  private:

@@ -9,22 +9,23 @@
 
 namespace gecos::session {
 
-/// Whether the client of one session may do everything that its status allows, or is a visitor
-/// (access/visitors.hpp). Thread-safe.
+/// Knows whether the client of one session may do everything that its status allows, or is only a
+/// visitor (access/visitors.hpp). Thread-safe.
 class Visit {
  public:
-  /// Must be called once, when the session is opened. `visitor`: no value if the client is none.
+  /// Must be called once, when the session is opened. `visitor`: the user of the client if it is a
+  /// visitor; otherwise no value.
   void open(std::optional<access::UserAtHost> visitor) {
     if (visitor) who_ = *std::move(visitor);
     state_.store(visitor ? State::Visitor : State::Full, std::memory_order_release);
   }
-  /// Returns the user of a visitor; null if the client is none, or if the session is not open.
+  /// Returns the user of a visitor; null if the client is not a visitor or the session is not open.
   const access::UserAtHost* visitor() const {
     return state_.load(std::memory_order_acquire) == State::Visitor ? &who_ : nullptr;
   }
-  /// Returns whether the session is open and its client is no visitor.
+  /// Returns whether the session is open and its client is not a visitor.
   bool is_full() const { return state_.load(std::memory_order_acquire) == State::Full; }
-  /// Must be called when a list of the lab file admits the visitor now.
+  /// Must be called when a list of the lab file now admits the client, which was a visitor so far.
   void widen() { state_.store(State::Full, std::memory_order_release); }
 
  private:

@@ -20,7 +20,7 @@ bool opens(const ObjectSetup& setup, FunctionCode code) {
              setup.options.visitors->open.end();
 }
 
-/// Returns whether a visitor may make the call. `code`: of its operation.
+/// Returns whether a visitor may make the call in `packet`. `code`: the code of its operation.
 bool may_visit(const ObjectSetup& setup, const wire::PacketView& packet, FunctionCode code) {
   using BuiltIn = GecosObjectInterface;
   if (!is_builtin(code)) return opens(setup, code);
@@ -33,7 +33,8 @@ bool may_visit(const ObjectSetup& setup, const wire::PacketView& packet, Functio
          code == BuiltIn::model.code || code == BuiltIn::unsubscribe.code;
 }
 
-/// Returns the operation of the object, or the built-in one, that has this code; null if none has.
+/// Returns the operation of the object, or the built-in operation, that has this code; null if
+/// there is none.
 const OperationDescription* operation_of(const ObjectSetup& setup, FunctionCode code) {
   return is_builtin(code) ? GecosObjectInterface::description.find(code)
                           : setup.interface.find(code);

@@ -12,19 +12,20 @@
 
 namespace gecos::session {
 
-/// The most sessions that one user of one host may have with an object as a visitor, at a time.
+/// Maximum number of sessions that one visitor (a user of a host) may have with an object at the
+/// same time.
 inline constexpr std::size_t most_sessions_of_visitor = 8;
 
-/// Returns why no session is opened for the visitor `who`; an empty text if one may be opened.
-/// `sessions`: those that are open with the object.
+/// Returns why no session is opened for the visitor `who`; an empty text if a session may be
+/// opened. `sessions`: the open sessions with the object.
 std::string refusal_to_visit(const ObjectSetup& setup,
                              const std::vector<std::shared_ptr<ServerSession>>& sessions,
                              const access::UserAtHost& who);
 
-/// Replies to the call in `packet`, counts it and returns true if its client is a visitor, who may
-/// not use this operation. Of the operations that each object has, a visitor may use those that
-/// tell what the object is; of the others, those that the object opens to visitors
-/// (session::Visitors). Requires the object's mutex.
+/// If the client is a visitor and may not use the operation, replies to the call in `packet`,
+/// counts it and returns true. A visitor may use the built-in operations that tell what the object
+/// is, and the operations that the object opens to visitors (session::Visitors). Requires the
+/// object's mutex.
 bool refuse_visitor(const ObjectSetup& setup, CallStatistics& statistics, ServerSession& session,
                     const wire::PacketView& packet);
 

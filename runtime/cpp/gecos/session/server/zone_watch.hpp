@@ -14,9 +14,9 @@ class ObjectHost;
 class Runtime;
 
 /// Reads from a zone (idl/gecos/presence.gidl) whether a person is present, and tells the objects
-/// of a server that are in the zone. While the zone cannot be reached, tells them why. Uses its own
-/// sessions with the broker and the zone. Closing the Lab of the program does not end these
-/// sessions.
+/// of a server that are in the zone. While the zone cannot be reached, tells the objects the
+/// reason. Uses its own sessions with the broker and the zone, which stay open when the program
+/// closes its Lab.
 class ZoneWatch {
  public:
   ZoneWatch(std::shared_ptr<Runtime> runtime, std::string zone);
@@ -30,7 +30,7 @@ class ZoneWatch {
 
  private:
   void run();
-  /// Tells the objects what the samples of `presence` say until the session with the zone ends.
+  /// Until the session with the zone ends, tells the objects what the samples of `presence` say.
   void follow(StreamCore& presence);
   void tell_unknown(const std::string& why);
   /// Calls `tell` for each object that still exists.
@@ -40,7 +40,7 @@ class ZoneWatch {
   bool watches();
   /// Sleeps while the watch has no objects. Returns false when the watch ends.
   bool await_object();
-  /// Sleeps a while before the next try. Returns false when the watch ends.
+  /// Sleeps for a while before the next attempt. Returns false when the watch ends.
   bool rest();
 
   const std::string zone_;
@@ -57,8 +57,8 @@ class ZoneWatches {
  public:
   explicit ZoneWatches(std::shared_ptr<Runtime> runtime) : runtime_(std::move(runtime)) {}
 
-  /// From now on tells `object` whether a person is present in `zone`, and no longer tells it
-  /// anything about another zone. Changes nothing when it throws, because no thread is left.
+  /// From now on tells `object` whether a person is present in `zone`, and no longer what other
+  /// zones report. If no thread can be created, throws an exception and changes nothing.
   void add(const std::string& zone, const std::shared_ptr<ObjectHost>& object);
   void end() { watches_.clear(); }
 
