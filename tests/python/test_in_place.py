@@ -178,7 +178,7 @@ def test_a_held_picture_is_overwritten_after_the_depth_and_stays_readable(
 def test_a_loan_that_is_not_published_is_no_sample(camera: Any, servant: Any, images: Any) -> None:
     with camera.picture.stream() as stream:
         with servant.lend_picture(images.Image(), 4) as loan:
-            with pytest.raises(ValueError, match="the memory of its next sample is lent"):
+            with pytest.raises(ValueError, match="the memory of the next sample is lent"):
                 servant.lend_picture(images.Image(), 4)
             loan.octets[0] = 1
         assert not loan.publish()

@@ -55,8 +55,8 @@ def test_what_comes_after_a_failure_names_it_and_is_not_carried_out(
         later.result()
     assert left_out.value.detail is Detail.REJECTED
     assert str(left_out.value).startswith(
-        "REJECTED: 'shine' of LAMP was not carried out, because 'shine', which the same caller had "
-        "called before it, did not succeed: FAULT, "
+        "REJECTED: 'shine' of LAMP was not carried out, because the earlier command 'shine' of the "
+        "same caller did not succeed: FAULT, "
     ), str(left_out.value)
     first.result()
     assert burnt.state is State.COMMAND_FAILED

@@ -338,7 +338,7 @@ def test_a_server_that_the_broker_does_not_tell_the_revocations_admits_nobody_ne
     assert answer() == "answer: admitted"
     revoked = Path(two.labs[CELL].env["GECOS_KEY_DIR"]) / "revoked"
     revoked.write_text("damaged\n")
-    refusal = "RAIL refuses user carl of host moor: its server has had no contact with the broker"
+    refusal = "RAIL refuses user carl of host moor: the server has had no contact with the broker"
     until(lambda: refusal in answer(), "no new user of another host is admitted")
     revoked.unlink()
     until(lambda: answer() == "answer: admitted", "the server is in contact again")

@@ -73,7 +73,7 @@ TEST_F(LeftOutMoves, AreThoseAfterAFirstMoveThatIsOutOfReach) {
   ask(60_mm, 80_mm, robcl::Blend::BREAK);
   let_end();
   expect_ended(0, Detail::Fault, "OutOfReach");
-  expect_ended(1, Detail::Rejected, "'move', which the same caller had called before it, did not");
+  expect_ended(1, Detail::Rejected, "'move' of the same caller did not succeed");
   expect_ended(2, Detail::Rejected, "FAULT, OutOfReach");
   expect_stands_beside(0);
 }

@@ -62,10 +62,10 @@ TEST_F(Channels, WithOneNameLeaveTheOtherDirectionToTheBestMedium) {
 TEST_F(Channels, ThatAreImpossibleAreRefusedAlthoughOthersExist) {
   serve_over({Kind::Inproc, Kind::Shm});
   EXPECT_EQ(why_not({.in = Kind::Lcm}),
-            "PROBE: QOS_UNAVAILABLE: PROBE (in=lcm) cannot be reached over lcm: its server does "
+            "PROBE: QOS_UNAVAILABLE: PROBE (in=lcm) cannot be reached over lcm: the server does "
             "not offer this medium; use inproc, shm");
   EXPECT_EQ(why_not({.out = Kind::Lcm}),
-            "PROBE: QOS_UNAVAILABLE: PROBE (out=lcm) cannot be reached over lcm: its server does "
+            "PROBE: QOS_UNAVAILABLE: PROBE (out=lcm) cannot be reached over lcm: the server does "
             "not offer this medium; use inproc, shm");
   EXPECT_EQ(why_not({.in = Kind::Shm, .out = Kind::Lcm}), why_not({.out = Kind::Lcm}));
   EXPECT_EQ(why_not({.in = Kind::Lcm, .out = Kind::Inproc}), why_not({.in = Kind::Lcm}));

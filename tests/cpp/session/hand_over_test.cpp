@@ -159,14 +159,15 @@ TEST_F(QuestionsAboutTheLine, AreBoundedInNumberForEachProgramAndForAll) {
     }
     ask(++counter, 60);
     EXPECT_EQ(reply_to(counter), Detail::QueueFull);
-    EXPECT_TRUE(failure().ends_with(") already wait; ask again when one of them has been answered"))
+    EXPECT_TRUE(failure().ends_with(
+        ") already wait; ask again when one of these questions has been answered"))
         << failure();
   }
   sessions.push_back(connect());
   ask(++counter, 60);
   EXPECT_EQ(reply_to(counter), Detail::QueueFull);
   EXPECT_EQ(failure(),
-            "PROBE: too many questions about requests: 64 already wait; ask again later");
+            "PROBE: too many questions about requests: 64 questions already wait; ask again later");
 }
 
 TEST_F(QuestionsAboutTheLine, EndWithTheObjectAndAreForgottenWithTheirSession) {

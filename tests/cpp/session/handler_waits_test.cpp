@@ -66,7 +66,8 @@ TEST_P(HandlerWaits, ForACallThatCannotStartBeforeTheyReturnAreToldSo) {
   ASSERT_FALSE(inner);
   EXPECT_EQ(inner.error().detail, Detail::Rejected);
   EXPECT_EQ(inner.error().text,
-            "'read' of PROBE was not started: the handler of 'read' of PROBE waits for it, and it "
+            "'read' of PROBE was not started: the handler of 'read' of PROBE waits for this call, "
+            "and this call "
             "cannot start before that handler returns; call the method of the servant directly, or "
             "wait in another thread");
 }
@@ -89,7 +90,8 @@ TEST_P(HandlerWaits, ForEachOtherEndWithTheWholeCircle) {
   EXPECT_EQ(of_other.error().detail, Detail::Rejected);
   EXPECT_EQ(
       of_other.error().text.find(
-          "'read' of PROBE was not started: the handler of 'read' of OTHER waits for it, and it "
+          "'read' of PROBE was not started: the handler of 'read' of OTHER waits for this call, "
+          "and this call "
           "cannot start before the handler of 'read' of PROBE returns; that handler waits for a "
           "call that cannot end before the first handler returns"),
       0u)

@@ -41,8 +41,8 @@ TEST_P(Leases, AreDeniedWithAnAdviceToASecondProxyOfTheProgram) {
   const auto refused = second.set(1).get();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().detail, Detail::Denied);
-  EXPECT_NE(refused.error().text.find("; another proxy of the same program holds it: call through "
-                                      "that proxy or a copy of it"),
+  EXPECT_NE(refused.error().text.find("; another proxy of the same program holds the status: "
+                                      "call through that proxy or its copy"),
             std::string::npos)
       << refused.error();
 }

@@ -30,8 +30,8 @@ class LeftOut : public probe::OverMedia {
   }
   static void expect_left_out(const gecos::Command<std::int32_t>& step) {
     expect_ended(step, Detail::Rejected,
-                 "'step' of PROBE was not carried out, because 'step', which the same caller had "
-                 "called before it, did not succeed: FAULT, ");
+                 "'step' of PROBE was not carried out, because the earlier command 'step' of the "
+                 "same caller did not succeed: FAULT, ");
   }
   /// Waits until the reply to `step` is there, without a look of the program at it.
   static bool ends_unseen(const gecos::Command<std::int32_t>& step) {
@@ -335,7 +335,7 @@ TEST_F(LeftOutAtTheServer, AreCallsThatArriveAfterTheFailureUntilOneBeginsAnew) 
   refuse_first();
   step(3);
   EXPECT_EQ(reply_to(3), Detail::Rejected);
-  EXPECT_NE(failure().find("'step', which the same caller had called before it, did not succeed: "
+  EXPECT_NE(failure().find("'step' of the same caller did not succeed: "
                            "REJECTED, out of reach"),
             std::string::npos)
       << failure();
@@ -382,8 +382,8 @@ TEST_F(LeftOutAtTheServer, AreRefusedIfTheirFlagsAreUnknown) {
   for (const std::int8_t flags : {std::int8_t{4}, std::int8_t{127}, std::int8_t{-1}}) {
     step(counter, flags);
     EXPECT_EQ(reply_to(counter), Detail::BadParameter);
-    EXPECT_EQ(failure(),
-              "the call has the flags " + std::to_string(flags) + "; this server knows 0 to 3");
+    EXPECT_EQ(failure(), "the call has the flags " + std::to_string(flags) +
+                             "; this server knows only the flags 0 to 3; update the server");
     ++counter;
   }
   EXPECT_EQ(servant_.calls, 0);

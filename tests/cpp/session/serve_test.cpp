@@ -130,7 +130,7 @@ TEST(Serve, WhateverIsThrownIsOneLineAndTheStatusOfTheProgram) {
            {[]() -> std::shared_ptr<void> { throw std::runtime_error("no supply"); },
             "robcl-probe: no supply\n"},
            {[]() -> std::shared_ptr<void> { throw 7; },
-            "robcl-probe: something was thrown that is no std::exception\n"}}) {
+            "robcl-probe: the program threw something that is not a std::exception\n"}}) {
     probe::ProbeServant servant;
     ::testing::internal::CaptureStderr();
     EXPECT_EQ(serve(lab, {{"PROBE", servant, without_broker()}},

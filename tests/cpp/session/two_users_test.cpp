@@ -320,9 +320,9 @@ TEST_F(TwoUsersOfOneHost, AServerThatAdmitsWhoCannotReachItOverShmSaysSoOnceAndI
   daemon.line().say("serve");
   const std::string logged = daemon.line().hear();
   const std::string warning =
-      "this server runs as daemon, and its broker as another user: programs of other users reach "
-      "its objects only over lcm, with an admitted key; over shm they reach only servers of root "
-      "and of gecos";
+      "this server runs as daemon, but the broker runs as another user: programs of users other "
+      "than daemon can reach the objects of this server only over lcm, with an admitted key; over "
+      "shm they can reach only servers of root and of gecos";
   EXPECT_NE(logged.find(warning), std::string::npos) << logged;
   EXPECT_EQ(logged.find(warning), logged.rfind(warning)) << logged;
   bin.line().say("reach");

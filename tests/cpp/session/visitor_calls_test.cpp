@@ -107,11 +107,12 @@ TEST_F(VisitorCalls, InManySessionsDoNotFillTheAudit) {
 
 TEST_F(VisitorCalls, ThatAreRefusedSayWhichListWouldAllowThem) {
   call(1, probe::read_code);
-  EXPECT_EQ(failure(),
-            "'read' of PROBE was not started: user ada of host desk is a visitor here, who may "
-            "only look for the objects whose programs admit this user; name the user in "
-            "[objects.PROBE.allow] of the lab file, beside all others who may use PROBE (request " +
-                number_told() + ")");
+  EXPECT_EQ(
+      failure(),
+      "'read' of PROBE was not started: user ada of host desk is a visitor here and may "
+      "only look for the objects whose programs admit this user; name the user in "
+      "[objects.PROBE.allow] of the lab file, together with all other users of PROBE (request " +
+          number_told() + ")");
 }
 
 TEST_F(VisitorCalls, OfTwoSessionsHaveNumbersThatTheAuditFinds) {
@@ -224,8 +225,8 @@ TEST_F(SessionsOfVisitors, AreEightOfOneUserAtATime) {
   connect();
   EXPECT_FALSE(session_->greeted());
   EXPECT_EQ(refusal(),
-            "PROBE opens no session: user ada of host desk is a visitor here and has 8 sessions "
-            "already, the most at a time; end a program of this user");
+            "PROBE opens no session: user ada of host desk is a visitor here and already has 8 "
+            "sessions, which is the maximum; end a program of this user");
   object_->depart(open[3], ObjectHost::Departure::Lost);
   connect();
   EXPECT_TRUE(session_->greeted()) << "one has ended";

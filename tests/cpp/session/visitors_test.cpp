@@ -361,7 +361,7 @@ TEST_F(Visitors, NobodyIsReceivedWhileItIsNotKnownWhoIsRevoked) {
   revoke("this is no list\n");
   Laboratory laboratory;
   laboratory.server.allow({"daemon"});
-  const std::string why = "the broker does not know at the moment whom its user has revoked";
+  const std::string why = "at the moment the broker does not know which users are revoked";
   EXPECT_TRUE(settles([&] { return tell(daemon, "look").find(why) != std::string::npos; }));
   revoke("");
   EXPECT_TRUE(settles([&] { return tell(daemon, "look").find("list PROBE ") == 0; }));

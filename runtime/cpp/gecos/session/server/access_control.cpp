@@ -209,16 +209,16 @@ AccessControl::Judgement AccessControl::judge(const std::string& object,
   if (judgement.visitor && !knows_revoked()) {
     return {false, false, judgement.who,
             refusal_of(object, judgement.who) +
-                "the broker does not know at the moment whom its user has revoked; try again"};
+                "at the moment the broker does not know which users are revoked; try again"};
   }
   if (!judgement.admitted || peer.user.empty()) return judgement;
   const std::string since = contact_->out_of_contact();
   if (since.empty()) return judgement;
   judgement.admitted = false;
   judgement.text = refusal_of(object, judgement.who) +
-                   "its server has had no contact with the broker " + since +
-                   ", so it does not know whom the laboratory has revoked; when the broker "
-                   "answers, it admits users of other hosts again";
+                   "the server has had no contact with the broker " + since +
+                   ", so the server does not know which users the laboratory has revoked; when the "
+                   "broker answers, the server admits users of other hosts again";
   return judgement;
 }
 

@@ -40,7 +40,8 @@ std::string through_other_proxy(const CallRequest& call, const access::LeaseTabl
            holder.client.host == caller.host && holder.client.user == caller.user;
   };
   if (!std::ranges::any_of(leases.roster(), is_caller)) return {};
-  return "; another proxy of the same program holds it: call through that proxy or a copy of it";
+  return "; another proxy of the same program holds the status: call through that proxy or its "
+         "copy";
 }
 
 Failure denied(const access::Denial& denial, const CallRequest& call,
@@ -90,11 +91,11 @@ std::optional<Failure> refusal_to_queue(const CallRequest& call, const Admitting
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
                                         const CallerState& caller, std::optional<Failure> late) {
   if (caller.gone) {
-    return Failure{Detail::NotStarted, "the call was not started: its caller was gone", {}, {}};
+    return Failure{Detail::NotStarted, "the call was not started: the caller was gone", {}, {}};
   }
   if (caller.withdrawn) {
     return Failure{
-        Detail::NotStarted, "the call was not started: its caller had given it up", {}, {}};
+        Detail::NotStarted, "the call was not started: the caller had given the call up", {}, {}};
   }
   if (caller.unheard) {
     return Failure{Detail::NotStarted,
@@ -129,10 +130,10 @@ std::optional<Failure> refusal_for_absence(const OperationDescription& operation
 
 Failure not_in_time(const OperationDescription& operation, bool missed_start) {
   const std::string name = "'" + std::string(operation.name) + "'";
-  const std::string why =
-      missed_start
-          ? name + " did not start within its start_by of " + in_ms(operation.quality.start_by)
-          : "the deadline of " + name + " passed before the call started";
+  std::string why = "the deadline of " + name + " passed before the call started";
+  if (missed_start) {
+    why = name + " did not start within its start_by of " + in_ms(operation.quality.start_by);
+  }
   return {Detail::Expired, why + "; the call was not carried out", {}, {}};
 }
 

@@ -18,8 +18,8 @@ Failure failure_after(const BlendChain::Failed& failed, const std::string& what)
   std::string why = std::string(to_string(failed.detail));
   if (!failed.text.empty()) why += ", " + failed.text;
   return {detail_after(failed.detail),
-          what + " was not carried out, because '" + failed.operation +
-              "', which the same caller had called before it, did not succeed: " + why +
+          what + " was not carried out, because the earlier command '" + failed.operation +
+              "' of the same caller did not succeed: " + why +
               ". Look at the outcome of a failed command before you issue the next one",
           {},
           {}};

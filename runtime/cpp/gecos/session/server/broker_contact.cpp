@@ -59,7 +59,7 @@ void BrokerContact::take(const Question& question) {
     return take(question.asked, 0, std::vector<access::RevokedUser>());
   }
   if (detail != Detail::Done) {
-    log_debug("session", "the broker does not tell whom the laboratory has revoked: " +
+    log_debug("session", "the broker does not say which users the laboratory has revoked: " +
                              question.command->failure().text);
     return;
   }

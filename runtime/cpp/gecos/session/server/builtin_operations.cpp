@@ -68,14 +68,18 @@ void BuiltinOperations::describe(ServerSession& session, std::uint64_t counter) 
   about.version = setup_.interface.version;
   about.interface_hash = setup_.interface.hash;
   about.simulated = setup_.options.simulated;
-  about.presence = presence_.required()       ? presence_.text(setup_.clock().since_boot())
-                   : setup_.options.simulated ? "not required (simulated)"
-                                              : "not checked: the object is in no zone";
-  about.authentication =
-      session.connection().peer().uid ? "user and process, named by the kernel"
-      : session.connection().capabilities().reach != media::Reach::Network
-          ? "this process"
-          : "key, proved by a handshake: " + session.connection().peer().description;
+  about.presence = "not checked: the object is in no zone";
+  if (presence_.required()) {
+    about.presence = presence_.text(setup_.clock().since_boot());
+  } else if (setup_.options.simulated) {
+    about.presence = "not required (simulated)";
+  }
+  about.authentication = "this process";
+  if (session.connection().peer().uid) {
+    about.authentication = "user and process, named by the kernel";
+  } else if (session.connection().capabilities().reach == media::Reach::Network) {
+    about.authentication = "key, proved by a handshake: " + session.connection().peer().description;
+  }
   if (setup_.rights.everybody_connects) {
     about.authentication += "; --insecure: every user of every host may connect";
   }

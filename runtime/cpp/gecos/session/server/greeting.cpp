@@ -86,8 +86,9 @@ void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView
            const ObjectSetup& setup, OutcomeLog& outcomes, GreetedAt at) {
   if (packet.header.version != wire::packet_version) {
     return refuse(*session, "this server speaks version " + std::to_string(wire::packet_version) +
-                                " of the session protocol and the client " +
-                                std::to_string(packet.header.version) + "; update the older one");
+                                " of the session protocol and the client speaks version " +
+                                std::to_string(packet.header.version) +
+                                "; update the older program");
   }
   const auto hello = wire::from_bytes<Hello>(packet.body);
   if (!hello) {

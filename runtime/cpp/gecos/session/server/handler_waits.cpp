@@ -71,8 +71,8 @@ std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler) {
   Calls way{handler};
   if (!leads_back(way)) return {};
   std::erase_if(way, [](const auto& call) { return !call->object().waits().awaited_by(*call); });
-  std::string text =
-      "the handler of " + handler->title() + " waits for it, and it cannot start before ";
+  std::string text = "the handler of " + handler->title() +
+                     " waits for this call, and this call cannot start before ";
   if (way.size() == 1) return text + "that handler returns";
   for (auto next = way.begin() + 1; next != way.end(); ++next) {
     text += "the handler of " + (*next)->title() +

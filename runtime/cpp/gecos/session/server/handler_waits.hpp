@@ -52,9 +52,9 @@ void forget_session(SessionId id);
 std::shared_ptr<ObjectHost> object_in(const CommandId& call);
 
 /// Returns a text that describes how `handler` waits, directly or through other calls, for its own
-/// end, for example "the handler of 'dim' of LAMP waits for it …". In the text, "it" is the call
-/// for which `handler` waits. Returns an empty text when this is not certain. The caller must not
-/// hold the mutex of any object.
+/// end, for example "the handler of 'dim' of LAMP waits for this call …". In the text, "this call"
+/// is the call for which `handler` waits. Returns an empty text when this is not certain. The
+/// caller must not hold the mutex of any object.
 std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler);
 
 }  // namespace gecos::session

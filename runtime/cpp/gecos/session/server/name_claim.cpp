@@ -7,9 +7,9 @@ std::string NameClaim::text() const {
     case Standing::Unregistered:
       return "not needed";
     case Standing::Asked:
-      return "the broker has not yet confirmed that the name is still this object's";
+      return "the broker has not yet confirmed that this object still has its name";
     case Standing::Unanswered:
-      return "no broker confirms that the name is still this object's (" + why_ +
+      return "no broker confirms that this object still has its name (" + why_ +
              "); the server goes on asking";
     case Standing::Held:
       return "confirmed";

@@ -103,7 +103,7 @@ bool ObjectCalls::mark(ServerCall& call, TimePoint since_boot) {
   }
   end(call, Failure{Detail::NotStarted,
                     "'" + std::string(call.operation().name) + "' of " + setup_.name +
-                        " was not started: its caller had given it up",
+                        " was not started: the caller had given the call up",
                     {},
                     {}});
   return false;

@@ -34,12 +34,13 @@ std::string OpenQuestions::too_many(const Caller& program) const {
                other.incarnation == program.incarnation;
       }));
   if (own >= most_of_program) {
-    return about_ + ": " + std::to_string(own) + " of " + program.program + " (pid " +
+    return about_ + ": " + std::to_string(own) + " questions of " + program.program + " (pid " +
            std::to_string(program.pid) + " on " + program.host +
-           ") already wait; ask again when one of them has been answered";
+           ") already wait; ask again when one of these questions has been answered";
   }
   if (questions_.size() < most) return "";
-  return about_ + ": " + std::to_string(questions_.size()) + " already wait; ask again later";
+  return about_ + ": " + std::to_string(questions_.size()) +
+         " questions already wait; ask again later";
 }
 
 bool OpenQuestions::waits(SessionId session, std::uint64_t counter) const {

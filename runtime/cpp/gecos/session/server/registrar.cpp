@@ -87,7 +87,7 @@ void Registrar::note_broker(const std::string& missing) {
   reported_missing_ = true;
   log_warning("session", missing +
                              "; this server goes on asking; until a broker answers, new clients "
-                             "cannot find its objects");
+                             "cannot find the objects of this server");
 }
 
 bool Registrar::rest(Duration length, TimePoint deadline) {
@@ -141,8 +141,10 @@ void Registrar::note_reach(const Registration& registration) {
   noted_reach_ = true;
   log_warning("session",
               "this server runs as " + entry.user +
-                  ", and its broker as another user: programs of other users reach its objects "
-                  "only over lcm, with an admitted key; over shm they reach only " +
+                  ", but the broker runs as another user: programs of users other than " +
+                  entry.user +
+                  " can reach the objects of this server only over lcm, with an admitted key; "
+                  "over shm they can reach only " +
                   std::string(media::servers_of_all_users));
 }
 
@@ -224,8 +226,8 @@ bool Registrar::renew(Registration& registration) const {
   admitted = {next_number(), std::move(now.users), std::move(now.hosts)};
   if (too_many) {
     log_warning("session", name +
-                               " admits more users or hosts than the broker can be told: it is " +
-                               "told the first 256 of the lab file");
+                               " admits more users or hosts than the broker accepts: the broker " +
+                               "is told the first 256 users and hosts of the lab file");
   }
   return true;
 }

@@ -103,10 +103,11 @@ class Registrar {
   std::optional<TimePoint> missing_since_ GECOS_GUARDED_BY(mutex_);
   bool noted_reach_ GECOS_GUARDED_BY(mutex_) = false;
   bool reported_missing_ GECOS_GUARDED_BY(mutex_) = false;
-  std::string reported_;  ///< the last warning that clients cannot find some objects, without the
-                          ///< numbers of refusals; used by
-                          ///< thread_ only
-  AskPause pause_;        ///< used by thread_ only
+  // Only `thread_` uses `reported_` and `pause_`.
+
+  /// The last warning that clients cannot find some objects, without the numbers of refusals.
+  std::string reported_;
+  AskPause pause_;
   bool wanted_ GECOS_GUARDED_BY(mutex_) = false;
   /// When `thread_` asks the broker again; TimePoint::max(): only when `wanted_` is set.
   TimePoint next_ GECOS_GUARDED_BY(mutex_) = TimePoint::max();

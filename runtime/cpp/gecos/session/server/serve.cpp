@@ -79,7 +79,7 @@ int serve(Lab& lab, const std::vector<Serving>& objects, const ServeOptions& opt
   } catch (const std::exception& error) {
     return fail(options, error.what());
   } catch (...) {
-    return fail(options, "something was thrown that is no std::exception");
+    return fail(options, "the program threw something that is not a std::exception");
   }
 }
 

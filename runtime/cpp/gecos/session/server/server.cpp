@@ -59,7 +59,7 @@ void check_names(const std::vector<std::string>& names, const std::string& what)
     if (fault.empty()) continue;
     throw std::invalid_argument("Server::allow: name " + std::to_string(at + 1) + " of the " +
                                 what + " " + std::string(fault) +
-                                "; give it as the system of the user writes it");
+                                "; write the name as the user's own system writes it");
   }
 }
 

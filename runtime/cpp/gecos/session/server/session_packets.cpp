@@ -20,7 +20,7 @@
 namespace gecos::session {
 namespace {
 
-constexpr const char* not_started = "the call was not started: its caller had given it up";
+constexpr const char* not_started = "the call was not started: the caller had given the call up";
 
 std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
 
@@ -44,7 +44,8 @@ tl::expected<ByteView, Failure> note_arrival(ServerSession& session, const wire:
   if (header.flags < 0 || header.flags > stands_alone) {
     malformed = Failure{Detail::BadParameter,
                         "the call has the flags " + std::to_string(header.flags) +
-                            "; this server knows 0 to " + std::to_string(stands_alone),
+                            "; this server knows only the flags 0 to " +
+                            std::to_string(stands_alone) + "; update the server",
                         {},
                         {}};
   }

@@ -252,8 +252,8 @@ void StatusGrants::refuse_late(TimePoint now) {
            std::string(access::to_string(status_of(waiting.wanted))) +
                " status refused: the handler of '" + std::string(runs->operation().name) +
                "' still runs (issued by " + who(runs->caller()) +
-               "), although the status under which it was issued has ended; the handler was told "
-               "to end: try again",
+               "), although the status under which this command was issued has ended; the handler "
+               "was told to end: try again",
            shown_to_clients(std::vector{last}, clock_.now()));
     return true;
   });

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t unbounded_sample = 64 * 1024;
 constexpr std::size_t usual_depth = 16;
 constexpr const char* still_lent =
-    "the memory of its next sample is lent; publish the loan or let it end first";
+    "the memory of the next sample is lent already; publish that loan or end it first";
 
 /// The memory in bytes that the samples of a stream may take if the interface does not declare its
 /// `depth`.

@@ -51,8 +51,8 @@ std::string refusal_to_visit(const ObjectSetup& setup,
   });
   if (static_cast<std::size_t>(open) < most_sessions_of_visitor) return {};
   return setup.name + " opens no session: user " + who.user + " of host " + who.host +
-         " is a visitor here and has " + std::to_string(most_sessions_of_visitor) +
-         " sessions already, the most at a time; end a program of this user";
+         " is a visitor here and already has " + std::to_string(most_sessions_of_visitor) +
+         " sessions, which is the maximum; end a program of this user";
 }
 
 bool refuse_visitor(const ObjectSetup& setup, CallStatistics& statistics, ServerSession& session,
@@ -65,9 +65,9 @@ bool refuse_visitor(const ObjectSetup& setup, CallStatistics& statistics, Server
   const std::string name(operation == nullptr ? "unknown operation" : operation->name);
   const std::string because =
       "user " + who->user + " of host " + who->host +
-      " is a visitor here, who may only look for the objects whose "
+      " is a visitor here and may only look for the objects whose "
       "programs admit this user; name the user in [objects." +
-      setup.name + ".allow] of the lab file, beside all others who may use " + setup.name;
+      setup.name + ".allow] of the lab file, together with all other users of " + setup.name;
   Failure refused{
       Detail::Denied, "'" + name + "' of " + setup.name + " was not started: " + because, {}, {}};
   refused.text += setup.audit->visitor_refused(session, counter, name, refused, because);

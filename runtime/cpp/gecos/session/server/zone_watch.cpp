@@ -67,11 +67,11 @@ void ZoneWatch::follow(StreamCore& presence) {
   while (watches()) {
     if (const auto got = presence.next(sample, deadline_after(between_zone_tries)); !got) {
       if (got.error() != StreamEnd::Lost && !presence.lost()) continue;
-      return tell_unknown("the session with its server ended; start the server again");
+      return tell_unknown("the session with the zone's server ended; start that server again");
     }
     const auto report = layout::from_bytes<Zone_presence_result>(sample.bytes);
     if (!report) {
-      tell_unknown("its report does not decode; update its server");
+      tell_unknown("the report of the zone does not decode; update the zone's server");
       continue;
     }
     const ZonePresence& reported = report->result;
