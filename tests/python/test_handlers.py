@@ -306,8 +306,9 @@ def test_two_handlers_that_wait_for_each_other_are_told_so(
     other.before_label = ask_back
     assert lamp.label().result() == "a lamp"
     assert len(told) == 1
-    assert "the handler of 'label' of OTHER waits for this call, and this call cannot start before" in str(
-        told[0]
+    assert (
+        "the handler of 'label' of OTHER waits for this call, and this call cannot start before"
+        in str(told[0])
     )
 
 

@@ -200,7 +200,7 @@ def test_what_cannot_be_lent_is_refused(
         servant.lend_picture(images.Image(encoding="x" * 17), 4)
     with pytest.raises(ValueError, match="-1 octets; give 0 or more"):
         servant.lend_picture(images.Image(), -1)
-    with pytest.raises(ValueError, match="at most 65536 fit; give its sequences and strings bound"):
+    with pytest.raises(ValueError, match="at most 65536 fit; declare bounds for its sequences"):
         servant.lend_raw(images.Dump(), 100_000)
     served.close()
     with pytest.raises(gecos.ServeError, match="while it is not served"):

@@ -227,8 +227,8 @@ TEST_P(Images, ThatDoNotFitAreRefused) {
   for (const char* const part :
        {"picture: 50001 octets, at most 50000 fit", "leave it empty and write them into the loan",
         "Image.encoding: 23 bytes, at most 16 fit",
-        "the sample takes 100005 bytes, at most 65536 fit; give its sequences and strings "
-        "bounds"}) {
+        "the sample takes 100005 bytes, at most 65536 fit; declare bounds for its "
+        "sequences and strings"}) {
     EXPECT_NE(log.find(part), std::string::npos) << part << "\n" << log;
   }
   EXPECT_TRUE(camera_.lend_picture({}, 10)) << "a refused loan has ended";

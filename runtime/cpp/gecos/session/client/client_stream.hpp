@@ -17,8 +17,9 @@ class ClientConnection;
 /// The client side of a subscription to a stream.
 class ClientStream final : public StreamCore {
  public:
-  /// `newest`: the number of the newest sample when the server took the subscription. `earlier`:
-  /// the stream of another session that this stream continues; null for a new subscription.
+  /// `newest`: the number of the newest sample when the server accepted the subscription.
+  /// `earlier`: the stream of another session that this stream continues; null for a new
+  /// subscription.
   ClientStream(std::shared_ptr<ClientConnection> session, const StreamDescription& stream,
                std::unique_ptr<media::StreamReader> reader, std::uint64_t newest,
                const ClientStream* earlier);
@@ -35,15 +36,15 @@ class ClientStream final : public StreamCore {
   qos::StreamCounts counts() const override { return reception_->counts(); }
   bool alive() const override { return !lost() && reception_->writer_alive(); }
 
-  /// Returns the number of the newest sample when the server took the subscription. The reader gets
-  /// all later samples.
+  /// Returns the number of the newest sample when the server accepted the subscription. The reader
+  /// gets all later samples.
   std::uint64_t opened_at() const { return opened_at_; }
   /// Ends the waits of the reader: from now on next() returns only the samples that have arrived,
   /// and then Nothing. Any thread may call this function.
   void stop_waiting();
 
  private:
-  /// Calls `read` again and again until it returns true; `read` has then stored a sample in `into`.
+  /// Waits until `read` returns true; `read` has then stored a sample in `into`.
   template <class Raw>
   tl::expected<void, StreamEnd> next(Raw& into, TimePoint deadline, FunctionRef<bool()> read);
   bool await_sample(FunctionRef<bool()> read, TimePoint deadline);

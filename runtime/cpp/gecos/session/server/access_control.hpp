@@ -43,7 +43,8 @@ class AccessControl {
   /// zone. Uses the lists that were read last.
   std::string zone_of(const std::string& object);
 
-  /// Admits these users and hosts, and no longer those of an earlier call.
+  /// Admits these users and hosts. Users and hosts that only an earlier call named are no longer
+  /// admitted.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts);
 
   /// Returns the users whom both the program and the lab file admit to `object`

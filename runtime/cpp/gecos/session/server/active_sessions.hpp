@@ -28,9 +28,8 @@ class ActiveSessions {
   bool wake(const Session& session);
   /// Puts to sleep the connections that have been silent for a while.
   void retire_idle(TimePoint now);
-  /// Puts all connections to sleep, except those on which a packet has arrived and those that are
-  /// lost. Calls `part_if_lost` for the sessions of these connections. Returns true when all
-  /// connections sleep.
+  /// Puts connections to sleep, except those on which a packet has arrived or that are lost; for
+  /// their sessions, calls `part_if_lost`. Returns true when all connections sleep.
   bool put_to_sleep(FunctionRef<void(const Session&)> part_if_lost);
   void clear() { sessions_.clear(); }
 

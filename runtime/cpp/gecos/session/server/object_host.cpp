@@ -39,7 +39,7 @@ std::shared_ptr<ServerCall> ObjectHost::take_and_start(
   return ready() ? state_.starts.next(starter) : nullptr;
 }
 
-// Silent clients and lost connections
+// The functions below handle silent clients and lost connections.
 
 void ObjectHost::await_sign_of_life(ServerSession& session) {
   const MutexLock lock(state_.mutex);

@@ -8,8 +8,9 @@ namespace gecos::session {
 
 struct HostState;
 
-/// Tells one object whether a person is present in its zone (access::ObjectPresence). When presence
-/// is lost, ends the commands of the object that need it, and stops the object. Thread-safe.
+/// Tells one object whether a person is present in its zone (access::ObjectPresence). When no
+/// person is present any more, ends the commands of the object that need a person, and stops the
+/// object. Thread-safe.
 class PresenceGuard {
  public:
   explicit PresenceGuard(HostState& object) : object_(object) {}

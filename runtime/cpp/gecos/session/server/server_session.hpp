@@ -52,8 +52,8 @@ class ServerSession {
 
   // The functions below require the object's mutex.
 
-  /// `because_of`: the counter of the failed command because of which this one was left out; 0 if
-  /// it was not.
+  /// `because_of`: the counter of an earlier, failed command because of which this call was left
+  /// out; 0 if this call was not left out.
   void reply(std::uint64_t counter, const Failure& failure, std::uint64_t because_of = 0);
   void reply(std::uint64_t counter, ByteView result);
   /// Replies to the call `counter` with `before`, the reply that this call had in an earlier

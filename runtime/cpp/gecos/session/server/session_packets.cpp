@@ -279,7 +279,7 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
 }
 
 /// Refuses a call that was unread for too long, for example while this process was suspended. By
-/// then its client has reported OUTCOME_UNKNOWN, or it still queries the outcome.
+/// then its client has reported OUTCOME_UNKNOWN, or the client still queries the outcome.
 void SessionPackets::refuse_late(ServerSession& session, const wire::PacketView& packet) {
   const wire::PacketHeader& call = packet.header;
   const std::string why =

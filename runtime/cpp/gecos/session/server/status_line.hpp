@@ -22,9 +22,9 @@ struct StatusRequest {
   double patience = 0;  ///< as the client gave it, in s
   TimePoint give_up{};
   TimePoint arrived{};
-  std::uint64_t id = 0;                   ///< by which holders deny it; set by StatusLine::add
-  std::optional<access::Proof> proof{};   ///< nullopt while it is derived from the password
-  bool compared = false;                  ///< its password was wrong and has been counted
+  std::uint64_t id = 0;                  ///< by which holders deny it; set by StatusLine::add
+  std::optional<access::Proof> proof{};  ///< nullopt while it is derived from the password
+  bool compared = false;                 ///< its password was wrong and has been counted
   /// The number of earlier requests that was last sent to the client.
   std::optional<std::size_t> reported{};
 };
@@ -51,8 +51,7 @@ class StatusLine {
   /// Returns whether the proof of a request is still being derived from its password.
   bool proving() const;
 
-  /// Appends `request`. When the line is full, replies to the request that it is refused, and
-  /// returns false.
+  /// Appends `request`. When too many requests wait already, refuses `request` and returns false.
   bool add(StatusRequest request);
   /// Returns the request `counter` of `session`; null when no such request waits.
   StatusRequest* find(SessionId session, std::uint64_t counter);

@@ -125,7 +125,8 @@ tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
     ++dropped_;
     return tl::unexpected(
         "the sample takes " + std::to_string(size) + " bytes, at most " + std::to_string(largest) +
-        " fit; " + (stream_.largest == 0 ? "give its sequences and strings bounds" : "shorten it"));
+        " fit; " +
+        (stream_.largest == 0 ? "declare bounds for its sequences and strings" : "shorten it"));
   }
   // Most readers of large samples use shm, so shm comes before inproc.
   for (auto held = writers_.rbegin(); held != writers_.rend(); ++held) {
