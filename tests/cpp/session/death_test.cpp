@@ -91,7 +91,8 @@ TEST_P(ServerDies, AndEveryCommandEndsInAStateThatSaysWhatIsKnown) {
   std::ostringstream text;
   text << lost.error();
   EXPECT_EQ(text.str(),
-            "LOST: the stream's server is gone or its Lab is closed; create a new proxy and "
+            "LOST: the server of the stream is gone or the Lab of the stream is closed; create a "
+            "new proxy and "
             "subscribe again");
   EXPECT_TRUE(stream->lost() && !stream->latest());
   EXPECT_EQ(move.state(), State::CommandFailed) << "it never changes";

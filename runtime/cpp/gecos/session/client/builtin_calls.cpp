@@ -210,7 +210,7 @@ Command<Outcome> outcome(const Object& object, const CommandId& id) {
   if (id == CommandId{}) {
     return {session::ended({Detail::BadParameter,
                             "the command was never sent, so the server has"
-                            " no outcome of it",
+                            " no outcome of the command",
                             {},
                             {}}),
             decode};

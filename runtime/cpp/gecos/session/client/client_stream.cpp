@@ -29,7 +29,8 @@ std::ostream& operator<<(std::ostream& out, StreamEnd end) {
     case StreamEnd::Nothing:
       return out << ": no sample arrived in time; call next() again";
     case StreamEnd::Lost:
-      return out << ": the stream's server is gone or its Lab is closed; create a new proxy and "
+      return out << ": the server of the stream is gone or the Lab of the stream is closed; create "
+                    "a new proxy and "
                     "subscribe again";
     case StreamEnd::Late:
       return out << ": no sample came within the deadline of the stream; call next() again";

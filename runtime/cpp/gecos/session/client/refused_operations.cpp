@@ -22,12 +22,13 @@ std::optional<Failure> RefusedOperations::why(FunctionCode code, std::string_vie
     return "'" + std::string(name) + "' of " + server.object + " " + std::string(outcome);
   };
   if (std::ranges::binary_search(differing_, code)) {
-    return Failure{Detail::Refused,
-                   what() + ": the server's " + server.interface_name +
-                       " defines it differently than this program; rebuild the older of the two "
-                       "from the newer interface (`gidl breaking` shows what differs)",
-                   {},
-                   {}};
+    return Failure{
+        Detail::Refused,
+        what() + ": the server's " + server.interface_name +
+            " defines this operation differently than this program; rebuild the older of the two "
+            "from the newer interface (`gidl breaking` shows what differs)",
+        {},
+        {}};
   }
   const auto found = std::ranges::lower_bound(unsuited_, code, {}, &Unsuited::code);
   if (found == unsuited_.end() || found->code != code) return std::nullopt;

@@ -12,10 +12,10 @@ namespace gecos::session {
 /// The verdict of a server about one sample of an inward stream.
 enum class InwardVerdict {
   Admitted,
-  OtherSession,       ///< the header names another session than that of the connection
-  SessionEnded,       ///< the session ended, or is lost
-  OtherEpoch,         ///< the client's status has ended, or is another one
-  NameUnconfirmed,    ///< the broker does not confirm the name of the object
+  OtherSession,     ///< the header names another session than that of the connection
+  SessionEnded,     ///< the session ended, or is lost
+  OtherEpoch,       ///< the client's status has ended, or is another one
+  NameUnconfirmed,  ///< the broker does not confirm the name of the object
   /// Nobody is known to be present in the zone of the object, or nobody was when the sample was
   /// sent.
   NobodyPresent,
