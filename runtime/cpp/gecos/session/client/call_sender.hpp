@@ -28,8 +28,8 @@ namespace gecos::session {
 /// that loses packets, sends a call again until its reply arrives.
 ///
 /// Thread-safe. `mutex_` is held during every send on the connection. Once the session is `lost`,
-/// no call is sent any more. It has more methods than other classes, because sending, repeating and
-/// ending a call share this mutex and the list of open calls.
+/// no call is sent any more. This class has more methods than other classes, because sending,
+/// repeating and ending a call share this mutex and the list of open calls.
 class CallSender {
  public:
   /// `welcome`: the packet with which the server opened the session `id`.

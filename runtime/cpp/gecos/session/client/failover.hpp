@@ -22,8 +22,8 @@ class Context;
 class ClientConnection;
 class PendingCommand;
 
-/// The object that a session connects to. Kept so that another session with the object can replace
-/// the session.
+/// The object that a session connects to. It is kept so that another session with the object can
+/// replace the session.
 struct ConnectTarget {
   std::string name;
   const InterfaceDescription& wanted;

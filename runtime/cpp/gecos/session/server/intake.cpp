@@ -7,9 +7,8 @@
 
 namespace gecos::session {
 
-/// Checks the age of a call. Over a medium that loses no packets, a call may also be old because a
-/// handler took long, and such a call is accepted. It is refused for its age only after a pause of
-/// this process.
+/// Checks the age of a call. Over a medium that loses no packets, a call may be old just because a
+/// handler took long. There, the age of a call matters only after a pause of this process.
 Intake::Verdict Intake::arrived(const Arrival& packet) {
   if (judges_age(packet.unheard) && packet.age > accept_within_) {
     if (repeats_) return Verdict::Ignore;

@@ -62,9 +62,9 @@ class Intake {
   /// call when the arguments of all deferred calls would take too many bytes. `now`: the current
   /// time by the same clock as in `next`. `age`: the time since the client sent the packet.
   bool put_aside(const wire::PacketView& call, TimePoint now, Duration age = {});
-  /// Removes and returns the first deferred call, if no earlier call is missing. Adds the time for
-  /// which the call was deferred to its age, and subtracts it from its remaining time until the
-  /// deadline.
+  /// Removes and returns the first deferred call, if no earlier call is missing. The time for which
+  /// the call was deferred is added to the age of the call and subtracted from its remaining time
+  /// until the deadline.
   std::optional<EarlyCall> next(TimePoint now);
   bool is_aside(std::uint64_t counter) const { return early_.contains(counter); }
   /// Returns the function code of the deferred call `counter`. @pre is_aside(counter)

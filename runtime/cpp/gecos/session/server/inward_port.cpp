@@ -69,7 +69,7 @@ void InwardPort::add(Counts& to, const Counts& more) {
 }
 
 /// Converts `counts` to a report with the last refusal in words. The caller must not hold the
-/// mutex, because the servant's thread that reads samples would have to wait for it.
+/// mutex, because the servant's thread that reads samples would then have to wait for the mutex.
 FeedReport InwardPort::in_words(const Counts& counts) {
   FeedReport report = counts.numbers;
   if (counts.unreadable) {

@@ -9,8 +9,8 @@
 namespace gecos::session {
 namespace {
 
-/// Returns the source for which the call reports; nullopt for a call of another operation. A call
-/// that does not decode reports for the source "", and its servant refuses it.
+/// Returns the source for which the call reports; nullopt for a call of another operation. If the
+/// arguments of the call do not decode, returns the source ""; the servant refuses the call later.
 std::optional<std::string> reported_source(FunctionCode code, ByteView arguments) {
   if (code == ZoneInterface::report_door.code) {
     const auto report = layout::from_bytes<Zone_report_door_arguments>(arguments);

@@ -14,7 +14,7 @@
 
 namespace gecos::session {
 
-/// A request for the status of one object that has no reply yet.
+/// A request for the status of one object. The request has no reply yet.
 struct StatusRequest {
   std::shared_ptr<ServerSession> session;
   std::uint64_t counter = 0;

@@ -28,7 +28,7 @@ class UserCallbacks {
   void end();
 
  private:
-  /// Shared with posted callbacks, so it outlives this object while such callbacks wait.
+  /// The data that posted callbacks share. It outlives this object while posted callbacks wait.
   struct Gate {
     Mutex mutex;
     bool ended GECOS_GUARDED_BY(mutex) = false;
