@@ -38,8 +38,9 @@ JointState first_state(SupervisedDriver& driver) {
   return std::move(*state);
 }
 
-// In velocity mode, the limit of the change of a commanded velocity in one cycle, as a multiple of
-// the acceleration limit: the motion needs up to one acceleration, the position control the rest.
+// In velocity mode, the greatest acceleration of a commanded velocity, as a multiple of the joint's
+// acceleration limit. The motion alone may need the acceleration limit once; the position control
+// needs the remainder.
 constexpr double most_change = 2;
 
 JointValues speeds_of(const robcl::arm::ArmModel& model) {

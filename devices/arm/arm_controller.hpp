@@ -25,8 +25,7 @@ namespace devices {
 /// is called, so that the arm does not start to move when the cause of the fault disappears.
 ///
 /// This class has more members than other classes. Half of the members are orders and results that
-/// one thread passes to another thread, and to separate these two threads is the purpose of this
-/// class.
+/// one thread passes to another thread. The purpose of this class is to separate these two threads.
 class ArmController {
  public:
   struct Settings {

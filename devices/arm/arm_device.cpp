@@ -24,7 +24,8 @@ robcl::motion::ToolLimits lower_of(const robcl::motion::ToolLimits& one,
 // an arm.
 constexpr double furthest_base = 1e7, furthest_tool = 1000;  // m
 
-/// Returns why `what`, the base or the tool, is too far away at `frame`; nullopt if it is not.
+/// Returns why the base or the tool, which `what` names, is too far away at `frame`. Returns
+/// nullopt if the distance is at most `furthest`.
 std::optional<Refused> too_far(const char* what, const Frame& frame, double furthest) {
   const double away = frame.position().stableNorm();
   if (away <= furthest) return std::nullopt;

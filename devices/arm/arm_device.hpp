@@ -31,8 +31,8 @@ class ArmDevice {
 
   ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
 
-  /// The clock of simulated time, by which all times and limits of a motion are meant. `step` must
-  /// be called by this clock.
+  /// The clock of simulated time. All times and limits of a motion are measured by this clock, and
+  /// the caller of `step` must use this clock.
   LabClock& clock() { return clock_; }
   /// Runs one cycle of the control loop, which lasts `seconds`.
   void step(double seconds) { controller_.step(seconds); }
@@ -100,11 +100,11 @@ class ArmDevice {
                                               const robcl::motion::Pace& pace,
                                               MotionWatcher& watcher, bool goes_over = false);
 
-  /// Moves the tool by the corrections of `source`. The motion ends only with a failure:
-  /// Interrupted when `watcher` interrupts it, CorrectionsStopped when corrections stop, or another
-  /// one. Speeds and accelerations in `limits` that the arm cannot reach are lowered to the limits
-  /// of the arm. If the control loop stalls, the loop may still use `source` after this function
-  /// has returned.
+  /// Moves the tool by the corrections of `source`. The motion ends only with a failure, for
+  /// example Interrupted when `watcher` interrupts it, or CorrectionsStopped when no more
+  /// corrections come. Speeds and accelerations in `limits` that the arm cannot reach are lowered
+  /// to the limits of the arm. If the control loop stalls, the loop may still use `source` after
+  /// this function has returned.
   tl::expected<void, MoveFailure> follow(robcl::motion::CorrectionAxes axes,
                                          robcl::motion::FollowLimits limits,
                                          std::shared_ptr<robcl::motion::CorrectionSource> source,

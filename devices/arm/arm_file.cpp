@@ -302,7 +302,8 @@ robcl::motion::ToolLimits limits_of(const Table& table) {
           .turn_acceleration = robcl::deg(table.positive(turn_acceleration))};
 }
 
-/// Refuses the keys of the tool in `table`, that of the whole file.
+/// Refuses the keys of the tool if they stand in `table`, the top-level table of the file, and not
+/// in the table [tool].
 void refuse_tool_keys(const Table& table) {
   for (const Key& key :
        {offset_mm, offset_zyz_deg, speed, acceleration, turn_speed, turn_acceleration}) {

@@ -38,8 +38,8 @@ Refused refused_because_of_exception() {
   }
 }
 
-/// The failure of a move whose caller had asked for another one before it, which failed with
-/// `earlier`.
+/// Returns the failure of a move that is not made, because an earlier move of the same caller
+/// failed with `earlier`.
 Refused left_out_after(const MoveFailure& earlier) {
   return {"the arm does not begin this move, because an earlier move failed: " +
           to_string(earlier)};
@@ -77,7 +77,8 @@ std::optional<ArmController::Outcome> OutcomeWatch::look() {
   return outcome;
 }
 
-/// Reserves the arm for the calling thread. Returns why that is not possible.
+/// Reserves the arm for the calling thread. Returns nullopt, or the reason if the arm cannot be
+/// reserved.
 std::optional<MoveFailure> ArmMotion::claim() {
   if (busy_) return Refused{"the arm is moving for another caller; wait until it stops"};
   if (unfinished_ && !controller_.wait(0ms)) return stalled_loop();
@@ -153,7 +154,8 @@ ArmMotion::Result ArmMotion::move(const Request& request, MotionWatcher& watcher
   return await(lock, link);
 }
 
-/// Waits for the result of `link`. The thread of the first link watches the motion for all links.
+/// Waits for the result of the move `link`. The thread that waits for the first move watches the
+/// motion for all moves.
 ArmMotion::Result ArmMotion::await(Lock& lock, Link& link) {
   while (!link.result) {
     const bool accepted = link.part != Part::None;
@@ -381,8 +383,8 @@ void ArmMotion::end_motion(const ArmController::Outcome& outcome) {
 }
 
 /// Plans the remaining moves from rest. The arm stopped before them because it could not go over
-/// into them, or because another move was interrupted. After a move that is impossible, those of
-/// its caller are not made.
+/// into them, or because another move was interrupted. If a move is impossible, the later moves of
+/// the same caller are not made.
 void ArmMotion::go_on_from_rest() {
   const std::deque<Link*> left = std::exchange(links_, {});
   std::map<std::uint64_t, MoveFailure> impossible;  // the first one of each caller

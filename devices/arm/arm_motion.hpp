@@ -25,8 +25,8 @@ class OutcomeWatch {
       : controller_(controller), beats_(controller.beats()) {}
   /// Waits 5 ms for the outcome. Returns nullopt if the motion still runs.
   std::optional<ArmController::Outcome> look();
-  /// Returns whether the control loop began no cycle during the last 400 looks. Counts looks and
-  /// not time, because time also passes while the process is suspended.
+  /// Returns whether the control loop began no cycle during the last 400 calls of `look`. The calls
+  /// are counted and not the time, because time also passes while the process is suspended.
   bool stalled() const { return looks_ >= most_looks; }
 
  private:

@@ -37,7 +37,7 @@ extern template class JointsServant<robcl::ArticulatedArmServant, robcl::JointPo
 /// Implements `robcl::SixAxis`.
 class SixAxisServant : public JointsServant<robcl::SixAxisServant, robcl::Joints> {
  public:
-  /// Throws std::invalid_argument if the arm has another number of joints.
+  /// Throws std::invalid_argument unless the arm has six joints.
   SixAxisServant(ArmDevice& arm, std::string place);
 };
 

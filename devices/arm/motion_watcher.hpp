@@ -6,7 +6,7 @@ namespace devices {
 
 /// The interface through which a running motion reports its progress to its caller, and asks
 /// whether it must end. The arm calls these functions about every 5 ms, on any of the threads that
-/// wait for the motion. Two threads may call two of them at the same time.
+/// wait for the motion. Two threads may call two different functions at the same time.
 class MotionWatcher {
  public:
   virtual ~MotionWatcher() = default;
@@ -19,8 +19,8 @@ class MotionWatcher {
   /// Called before each `progress`: the factor that scales the speed of motions; 0 pauses the
   /// motion.
   virtual void scaled(double factor) { static_cast<void>(factor); }
-  /// Returns a number that stands for the caller of the motion. After a move that fails, the moves
-  /// of the same caller that are to follow it are not made.
+  /// Returns a number that stands for the caller of the motion. If a move fails, the later moves of
+  /// the same caller are not made.
   virtual std::uint64_t caller() const { return 0; }
   /// Called when the arm has accepted the move. The caller may then request the next move.
   virtual void taken() {}

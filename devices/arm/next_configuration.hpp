@@ -11,8 +11,9 @@
 
 namespace devices {
 
-/// Keeps, for each session, the configuration in which its next joint move must end. A stop, or the
-/// end of the status under which the session set it, lets it be forgotten. Thread-safe.
+/// Keeps, for each session, the configuration in which its next joint move must end. The
+/// configuration is forgotten when the object is stopped, and when the status ends under which the
+/// session set the configuration. Thread-safe.
 class NextConfiguration {
  public:
   /// A session, and the epoch of its status when it issued a command.

@@ -25,10 +25,10 @@ struct SimulatedBody {
 /// A simulated laboratory of bodies. A gripper that grips a body attaches the body, at its present
 /// pose, to the gripper's carrier. Several grippers may hold one body: the gripper that gripped it
 /// last carries the body, which slides through the jaws of the other grippers. When the carrying
-/// gripper opens, the body stays where it is, and of the other grippers the one that gripped it
-/// last carries it. A body that its last holder releases falls straight down onto the body below it
-/// and keeps its orientation. A body that is not held does not move, even when the body below it is
-/// taken away. Thread-safe.
+/// gripper opens, the body stays where it is. The gripper that gripped the body last among the
+/// other grippers then carries the body. A body that its last holder releases falls straight down
+/// onto the body below it and keeps its orientation. A body that is not held does not move, even
+/// when the body below it is taken away. Thread-safe.
 class SimulatedWorld {
  public:
   struct Hit {
@@ -56,10 +56,10 @@ class SimulatedWorld {
   /// `origin`; nullopt if no body is within `reach`, in m.
   std::optional<Hit> cast(const Frame& origin, double reach) const;
 
-  /// Returns the body that would be gripped: the body between jaws that are at the frame `jaws`,
-  /// with the distance `opening` between them, and that close along y. If there are several bodies
-  /// between the jaws, returns the thickest one. The jaws grip a body where it is, even if it is
-  /// not in the middle.
+  /// Returns the body that the jaws of a gripper would grip if they closed now. The jaws are at the
+  /// frame `jaws`, have the distance `opening` between them, and close along the y axis of `jaws`.
+  /// If there are several bodies between the jaws, returns the thickest one. The jaws grip a body
+  /// where it is, even if it is not in the middle.
   std::optional<Contact> between(const Frame& jaws, double opening) const;
 
   tl::expected<void, PlaceProblem> place(std::string_view name, const Frame& pose);
