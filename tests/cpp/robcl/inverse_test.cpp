@@ -358,7 +358,7 @@ TEST(NumericInverse, OfAnArmWithFiveJointsTakesAGoalWhoseRoundingItCannotReach) 
   EXPECT_NE(
       to_string(refused.error())
           .find("out of reach: an arm with 5 joints reaches a place in some orientations only: "
-                "begin with a pose that it has had; the flange would be "),
+                "give a pose that the arm has had; the flange would be "),
       std::string::npos)
       << to_string(refused.error());
 }

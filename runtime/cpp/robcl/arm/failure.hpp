@@ -29,10 +29,11 @@ struct JointLimit {
   double value = 0;      ///< position that the goal or the place needs, rad
   double lower = 0;      ///< lower limit, rad
   double upper = 0;      ///< upper limit, rad
-  /// Where the tool is on its straight line; empty if the goal itself needs the position.
+  /// The place on the straight line at which the tool needs the joint position; empty if the goal
+  /// itself needs the joint position.
   std::optional<PlaceOnLine> place{};
-  /// The configuration for which the position was computed. All members are empty if the goal is
-  /// joint positions, or if the arm has no configurations.
+  /// The configuration for which the joint position was computed. All members are empty if the goal
+  /// was given as joint positions, or if the arm has no configurations.
   Configuration configuration{};
 };
 

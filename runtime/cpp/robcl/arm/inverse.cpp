@@ -39,8 +39,9 @@ double travel_time(const ArmModel& model, const JointValues& from, const JointVa
 double nearest_turn(double angle, double reference, const JointLimits& limits) {
   const double nearest = nearest_angle(angle, reference);
   double best = nearest;
-  // Tries the angle that is nearest to `reference` and differs from `angle` by whole turns, then
-  // the angles that are one and two turns away from that one. No known joint turns further.
+  // Tries first the angle that is nearest to `reference` and differs from `angle` by whole turns.
+  // Then tries the angles that are one and two turns away from this first angle. No known joint
+  // turns further.
   for (const int turns : {1, -1, 2, -2}) {
     if (outside(best, limits) == 0) break;
     const double copy = nearest + turns * whole_turn;

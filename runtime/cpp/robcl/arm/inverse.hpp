@@ -43,7 +43,7 @@ std::unique_ptr<InverseKinematics> make_inverse(const ArmModel& model);
 double travel_time(const ArmModel& model, const JointValues& from, const JointValues& to);
 
 /// Adds whole turns to `angle` and returns the sum that is inside `limits` and nearest to
-/// `reference`. If no sum is inside `limits`, returns the sum that is nearest to them.
+/// `reference`. If no sum is inside `limits`, returns the sum that is nearest to `limits`.
 double nearest_turn(double angle, double reference, const JointLimits& limits);
 
 /// Returns the joint that is furthest outside its limits; nullopt if all joints are inside their

@@ -25,7 +25,8 @@ class Kinematics {
   Frame base_from_flange(const JointValues& joints) const;
   struct Place {
     Frame base_from_tip;
-    /// Column i is the twist of the tip, seen from the base, while joint i turns with 1 rad/s.
+    /// The Jacobian matrix. Its column i is the twist of the tip, seen from the base, while only
+    /// joint i turns, with 1 rad/s.
     Jacobian jacobian;
   };
   /// Returns the place of the tip at the joint positions `joints`. @pre `joints` has one position
@@ -48,7 +49,7 @@ class Kinematics {
   Link flange_, tip_;  // seen from the last joint
 };
 
-/// Conversions between the types of KDL and ours.
+/// Conversions between the types of KDL and the types of robcl.
 inline Eigen::Vector3d to_eigen(const KDL::Vector& vector) {
   return {vector.x(), vector.y(), vector.z()};
 }

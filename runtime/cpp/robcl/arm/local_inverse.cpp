@@ -25,9 +25,10 @@ DampedInverse::DampedInverse(const Jacobian& jacobian)
   root_.compute(square_);
 }
 
-/// Estimates the least eigenvalue by the least pivot of the decomposition, which is never below it.
-/// An arm with fewer than six joints cannot move its tool in every direction. Of its directions,
-/// those count that it has in general.
+/// Estimates the least eigenvalue of the square matrix by the least pivot of its decomposition.
+/// This pivot is never below the eigenvalue. An arm with fewer than six joints can never move its
+/// tool in every direction; for such an arm, the function ignores the directions that are never
+/// possible.
 double DampedInverse::singularity_distance() const {
   if (jacobian_.cols() >= square_.rows()) {
     return std::sqrt(std::max(square_.ldlt().vectorD().minCoeff() - damping, 0.0));

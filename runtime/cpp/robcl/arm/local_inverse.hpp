@@ -26,7 +26,7 @@ class DampedInverse {
 
   /// Returns the joint speeds with which the point of the Jacobian matrix moves by the twist
   /// `twist`, in m/s and rad/s. If several joint speeds are possible, as for an arm with more than
-  /// six joints, these are the least ones. At a singularity the speeds are large but finite.
+  /// six joints, returns the smallest ones. At a singularity the speeds are large but finite.
   JointValues joint_speeds(const PoseStep& twist) const {
     return jacobian_.transpose() * PoseStep(root_.solve(twist));
   }

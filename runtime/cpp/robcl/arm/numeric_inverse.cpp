@@ -20,8 +20,8 @@ Eigen::Matrix<double, 6, 1> weights() {
 constexpr double solver_error = 1e-8;
 constexpr int solver_steps = 500;
 // An arm with fewer than six joints reaches only some of the poses near a pose that it reaches, so
-// the rounding of a goal makes the goal unreachable. Such an arm may miss its goal by so many m and
-// rad.
+// the rounding of a goal makes the goal unreachable. Therefore the flange of such an arm may miss
+// its goal by this distance in m and this angle in rad.
 constexpr double accuracy_of_few_joints = 1e-6;
 constexpr Eigen::Index joints_for_every_pose = 6;
 
@@ -99,7 +99,7 @@ std::string NumericInverse::why_out_of_reach(const Frame& base_from_flange) cons
   text << std::fixed << std::setprecision(1);
   if (joints < joints_for_every_pose && away <= model_.reach()) {
     text << "an arm with " << joints
-         << " joints reaches a place in some orientations only: begin with a pose that it has had; "
+         << " joints reaches a place in some orientations only: give a pose that the arm has had; "
             "the flange would be "
          << in_mm(away) << " mm from the base";
   } else {

@@ -120,8 +120,9 @@ class Frame {
   /// Converts a point from this frame's coordinate system to the coordinate system from which this
   /// frame is seen.
   Eigen::Vector3d transform(const Eigen::Vector3d& point) const;
-  /// Converts a twist or a wrench in the same way, to the origin and the axes from which this frame
-  /// is seen: with R and p of this frame, R·v + p × R·ω and R·ω; R·f and R·τ + p × R·f.
+  /// Converts a twist or a wrench to the origin and the axes from which this frame is seen. With
+  /// the rotation R and the position p of this frame, a twist (v, ω) becomes (R·v + p × R·ω, R·ω),
+  /// and a wrench (f, τ) becomes (R·f, R·τ + p × R·f).
   Twist transform_twist(const Twist& twist) const;
   Wrench transform_wrench(const Wrench& wrench) const;
 

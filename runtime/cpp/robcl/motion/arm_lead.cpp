@@ -15,8 +15,8 @@ constexpr double speed_share = 0.95, change_share = 0.6, bend_share = 0.35;
 // The greatest factor by which the lead slows the tool. At a singularity no speed is low enough for
 // the joints, and JointLimiter limits them.
 constexpr double slowest = 20;
-// The least distance to a singularity, as DampedInverse measures it. The tool does not move nearer,
-// because joints would move by more than 20 rad per m of the tool.
+// The least distance to a singularity, as DampedInverse measures it. The tool does not move nearer
+// to the singularity, because a joint would then turn by more than 20 rad while the tool moves 1 m.
 constexpr double near_singularity = 0.05;
 // The accuracy, in m and rad, of the place at which the lead would stand if it braked now.
 // JointLimiter keeps the limits of the joints in any case.
@@ -81,7 +81,7 @@ std::optional<Hold> ArmLead::try_towards(const Frame& target, const ToolLimits& 
 
 /// Returns why the lead could not brake from `lead` to a place where the arm may stand; nullopt if
 /// it could. If the limits of the tool are lower at that place, the lead needs more distance to
-/// brake. This function then also checks the place that is further away.
+/// brake. This function then also checks the place that the lead reaches with this longer distance.
 std::optional<Hold> ArmLead::why_not_stop(const ToolLead& lead, const Solution& at,
                                           const Frame& target, const ToolLimits& limits,
                                           double cycle) const {
@@ -98,7 +98,8 @@ std::optional<Hold> ArmLead::why_not_stand(const std::optional<Solution>& there)
     return Hold{.limit_axis = static_cast<std::uint32_t>(outside->axis)};
   }
   const double distance = there->inverse.singularity_distance();
-  // A lead that is already nearer than the limit may move away.
+  // A lead that is already nearer to a singularity than the limit may move away from the
+  // singularity.
   if (distance >= near_singularity || distance >= at_.inverse.singularity_distance()) {
     return std::nullopt;
   }

@@ -25,9 +25,9 @@ WayAndTurn LineDeviation::bend(double step) const {
           (of_even * even.turn + of_odd * odd.turn) * per_s};
 }
 
-/// The even part is in proportion to t²(1 - t)², which exact slopes at the knots leave. The odd
-/// part is in proportion to t(1 - t)(1 - 2t), where the slopes themselves are not exact. Two places
-/// tell both parts.
+/// The even part is proportional to t²(1 - t)². It is the deviation that remains if the slopes at
+/// the knots are exact. The odd part is proportional to t(1 - t)(1 - 2t), and comes from errors of
+/// the slopes. Both parts follow from the deviations at two places of the interval.
 LineDeviation deviation_in(const Path& path, std::size_t interval, const LineOnPath& line,
                            const arm::Kinematics& forward) {
   const double begin = path.place(interval), step = path.step(interval);

@@ -16,7 +16,8 @@ struct LineOnPath {
   double start = 0;     ///< s at the start of the line
   double duration = 0;  ///< difference of s from the start of the line to its end
 
-  /// Returns the place of the tool at `s`; for an `s` outside the line, at its nearer end.
+  /// Returns the place of the tool at `s`. For an `s` outside the line, returns the nearer end of
+  /// the line.
   Frame at(double s) const { return line.at(std::clamp((s - start) / duration, 0.0, 1.0)); }
 };
 
@@ -27,12 +28,11 @@ struct LineOnPath {
 struct LineDeviation {
   WayAndTurn even, odd;
   /// The greatest first derivatives by s of the deviation along the line and about its axis, in m
-  /// and rad per s: the tool is faster by these.
+  /// and rad per s. The tool may be faster than its line by these values.
   WayAndTurn faster;
 
-  /// Returns a bound of the distance of the tool from its line, in m. No bound of the angle is
-  /// checked anywhere, because none is promised: between two knots, the tool may turn by more than
-  /// its line.
+  /// Returns a bound of the distance of the tool from its line, in m. The angle has no bound:
+  /// between two knots, the tool may turn further than the line demands.
   double furthest() const { return even.way + odd.way; }
   /// Returns the greatest second derivatives by s of the distance and the angle, in m and rad per
   /// square of s. `step`: the length of the interval in s. Both parts bend most at the knots.

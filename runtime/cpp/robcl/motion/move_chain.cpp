@@ -35,9 +35,9 @@ double faded_in(double u) {
   return greatest_bend * (squared(rising) / 6 + rising * past / 2 + squared(past) / 2);
 }
 
-/// Half an overlap as a multiple of the way in which the faster motion brakes. A corner is then
-/// passed at the same distance as one in which the accelerations jump and half an overlap is this
-/// way.
+/// Half the length of an overlap, as a multiple of the braking distance of the faster motion. With
+/// this value, the tool passes a corner at the same distance as it would if the accelerations
+/// jumped and half the overlap were as long as the braking distance.
 const double overlap_per_braking_way = 0.25 / faded_in(0.5);
 
 /// The overlap of two moves lasts from the nominal time -half to half; the corner is at 0. For the
@@ -47,7 +47,8 @@ const double overlap_per_braking_way = 0.25 / faded_in(0.5);
 double before_corner(double t, double half) { return -half * faded_in((half - t) / (2 * half)); }
 double behind_corner(double t, double half) { return half * faded_in((half + t) / (2 * half)); }
 
-/// Returns the share of an overlap with `intervals` intervals that has passed at the knot `knot`.
+/// Returns the share of an overlap, from 0 to 1, that lies before the knot `knot`. The overlap
+/// consists of `intervals` equal intervals.
 double part_of(std::size_t knot, std::size_t intervals) {
   return static_cast<double>(knot) / static_cast<double>(intervals);
 }
@@ -82,8 +83,9 @@ Eigen::Quaterniond turned_by(const Eigen::Vector3d& rotation) {
 }
 
 /// Returns d, half the length in s of the overlap of two moves, which have the durations `last` and
-/// `next`. Between two overlaps of a move, d leaves either nothing or at least 1/32 of the move,
-/// because the curvature of a path is not exact in very short intervals.
+/// `next`. The value d is chosen so that the part of a move between its two overlaps is either
+/// empty or at least 1/32 of the move, because the curvature of a path is not exact in very short
+/// intervals.
 double half_overlap(double unhindered, double last, double next) {
   double half = std::min({unhindered, last / 2, next / 2});
   for (const double duration : {last, next}) {
@@ -271,8 +273,9 @@ std::optional<std::vector<JointValues>> MoveChain::overlap_of_lines(const Overla
   const JointValues off = overlap.after - all.back();
   if (off.cwiseAbs().maxCoeff() <= same_joints) return all;
   if (planner_.model().axes() <= joints_for_every_pose) return std::nullopt;
-  // Round the corner, an arm with more joints comes to the same pose with its elbow elsewhere. It
-  // moves the elbow to where the next move has it, all the way round the corner.
+  // An arm with more than six joints can reach the pose at the end of the overlap with its elbow at
+  // another place than the next move needs. Therefore the arm moves its elbow gradually, during the
+  // whole overlap, to the place that the next move needs.
   for (std::size_t i = 0; i < intervals; ++i) {
     walk.return_to({all[i] + gradual(part_of(i + 1, intervals)) * off, walk.at().kept});
     if (walk.step_to(flanges[i])) return std::nullopt;

@@ -5,7 +5,8 @@
 namespace robcl::motion {
 namespace {
 
-// In SI units, of a speed or an acceleration: below, the times of a plan lose their digits.
+// The least speed or acceleration that a caller may request, in SI units. With smaller values, the
+// times of a plan would be so large that they lose precision.
 constexpr double least = 1e-6;
 
 std::string says(const char* what, double value, const char* wanted) {

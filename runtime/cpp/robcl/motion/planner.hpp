@@ -43,8 +43,9 @@ class Planner {
                                                  const Frame& base_from_goal,
                                                  const Frame& flange_from_tool, const Pace& pace);
 
-  /// Plans the fastest motion of `move` that starts and ends at rest. Throws std::runtime_error if
-  /// the limits make the arm stop before the goal. So do the functions that call this one.
+  /// Plans the fastest motion of `move` that starts and ends at rest. This function and the
+  /// functions that call it throw std::runtime_error if the limits make the arm stop before the
+  /// goal.
   Plan plan(const Move& move) const;
 
   /// Functions that make a move and its plan.

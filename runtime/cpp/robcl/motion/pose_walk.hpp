@@ -10,7 +10,7 @@ namespace robcl::motion {
 using arm::JointValues;
 
 /// Follows a path of poses in small steps, by the inverse kinematics. The arm keeps the
-/// configuration in which it starts, and the turns of its joints.
+/// configuration in which it starts, and no joint makes a whole turn from one step to the next.
 class PoseWalk {
  public:
   PoseWalk(const arm::ArmModel& model, arm::InverseKinematics& inverse, const JointValues& from)

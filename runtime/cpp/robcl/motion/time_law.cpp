@@ -21,8 +21,8 @@ Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double ne
   const double per_u = 2 * bounds.step(knot);
   Interval u = bounds.over_interval(knot, x);
   // If a bend is short compared to the interval, the limits would make a fast motion brake nearly
-  // to a stop. A motion that is slower at the knot need not brake so much. So such a fast motion is
-  // not allowed.
+  // to a stop. A motion that is slower at the knot need not brake so much. Therefore the fast
+  // motion is not allowed.
   Interval going_on = u;
   going_on.raise_lower(-x / (2 * per_u), -1 / (2 * per_u));
   if (going_on.empty()) return going_on;
@@ -91,9 +91,9 @@ class ForwardPass {
     const auto& before = window.range;
     const double change = smoothing_.change(window.limit);
     const double lowest = std::max(allowed.lower, before.greatest - change);
-    // After hard braking, the limit of jerk may require that the motion goes on braking. The motion
-    // need not brake harder than it must to stop within one window, even if it then exceeds the
-    // limit of jerk.
+    // After hard braking, the limit of jerk may require that the motion goes on braking. This code
+    // never makes the motion brake harder than is needed to stop within one window, even if the
+    // motion then exceeds the limit of jerk.
     const double still = -std::sqrt(squares_[knot]) / smoothing_.window;
     const double highest = std::min(allowed.upper, std::max(before.least + change, still));
     const Ceiling::State here{knot, bounds_.places()[knot], squares_[knot]};
@@ -101,8 +101,8 @@ class ForwardPass {
       const double then = std::max(some, before.greatest) - change;
       return ceiling_.admits(here, {some, infinite, then, smoothing_.window, true});
     });
-    // If the limit of jerk allows no value, the motion exceeds this limit here, because it must not
-    // stop.
+    // If the limit of jerk allows no value, the motion exceeds the limit of jerk here, because the
+    // motion must not stop before its goal.
     const double slower = -here.x / (4 * bounds_.step(knot));  // halves (ds/dt)²
     return std::clamp(std::max(u, slower), allowed.lower, allowed.upper);
   }
