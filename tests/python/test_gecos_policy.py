@@ -95,7 +95,7 @@ def test_policy_says_what_a_list_in_the_program_may_change(file: Path, run: Run)
 
     of_file = "\nthis is what the file says; a list in the program of the server "
     assert of_file in told("anna", "LDS")
-    assert told("anna", "LDS").endswith("must admit the user, too, if there is one\n")
+    assert told("anna", "LDS").endswith(", if there is such a list, must admit the user, too\n")
     assert of_file not in told("anna", "RX90")  # no program admits whom the file refuses
     file.write_text("")
     assert of_file in told("anna", "LDS")
@@ -177,8 +177,8 @@ def test_a_user_whom_the_broker_refuses_is_not_said_to_have_the_server(
     monkeypatch.setattr(gecos.Lab, "broker", refused)
     code, out, _ = run("policy", "test", user, HOST, "LDS")
     unknown = (
-        "whose server LDS is, is not known, because the broker refuses this program; name the user "
-        "by --server-user"
+        "the user who runs the server of LDS is not known, because the broker refuses this "
+        "program; name that user by --server-user"
     )
     if user == ME:
         assert (code, out.splitlines()) == (5, [f"denied: {reason} (asked now)", unknown])

@@ -73,7 +73,7 @@ def test_gecos_ls_of_a_visitor_shows_what_programs_in_python_admit_the_user_to(
     # Python recognises the refusal by the text of the C++ library.
     assert denied.startswith("bin: 5: denied: the broker refuses this program: shm:")
     assert "BROKER refuses user bin of host" in denied
-    assert "whose server LAMP is, is not known, because the broker refuses this program" in denied
+    assert "the user who runs the server of LAMP is not known, because the broker refuses" in denied
     lines = [line for line in map(json.loads, written.splitlines()) if line["user"] == "daemon"]
     events = [(line["object"], line["event"]) for line in lines]
     assert events.count(("LAMP", "connected")) == 3  # two of `look`, one of `gecos policy test`

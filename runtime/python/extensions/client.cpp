@@ -284,7 +284,8 @@ nb::tuple as_tuple(session::RawLent sample) {
   return nb::make_tuple(nb::cast(LentHandle{std::move(sample)}), sequence, stamp_ns, measured);
 }
 
-/// Returns the sample that `read` gets, a tuple; else None, or how the stream was lost.
+/// Calls `read` and returns the newest sample as a tuple. Returns None if there is no sample, and
+/// the text "lost" or "revoked" if the stream is lost.
 nb::object latest_by(StreamHandle& self, FunctionRef<nb::object(session::StreamCore&)> read) {
   const auto core = self.get();
   if (core == nullptr) return nb::none();
@@ -310,8 +311,8 @@ nb::object latest_in_place(StreamHandle& self) {
 
 using Got = tl::expected<void, StreamEnd>;
 
-/// Waits for a sample, which `read` reads without the GIL. Returns what `given` makes of it, or
-/// why there is none.
+/// Waits for a sample, which `read` reads without the GIL. Returns the tuple that `given` makes of
+/// the sample, or the reason why no sample came.
 nb::object next_by(StreamHandle& self, std::optional<double> timeout,
                    FunctionRef<Got(session::StreamCore&, TimePoint)> read,
                    FunctionRef<nb::tuple()> given) {

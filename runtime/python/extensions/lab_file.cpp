@@ -42,7 +42,8 @@ std::pair<bool, std::string> may_register(const std::string& text, const std::st
   return {decision.allowed, std::move(decision.text)};
 }
 
-/// Returns the address and its place in the file; both are empty if the file names no address.
+/// Returns the address of the broker that the lab file names, and the place of this entry in the
+/// file. Both are empty if the file names no address.
 std::pair<std::string, std::string> broker_in_lab_file(double patience) {
   auto found = without_gil(
       [patience = patience_of(patience)] { return session::broker_in_lab_file(patience); });

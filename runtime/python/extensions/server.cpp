@@ -53,7 +53,8 @@ class CallHandle {
   std::optional<IncomingCall> call_;
 };
 
-/// A loan that Python fills. A loan that a forked child inherits is not its own to give back.
+/// A loan that Python fills. A forked child inherits the loan but must not end it, because the
+/// memory belongs to the parent.
 class LoanHandle {
  public:
   LoanHandle(std::shared_ptr<PulledServant> servant, Loan loan)

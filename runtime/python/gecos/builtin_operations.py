@@ -106,11 +106,11 @@ def roster(robot: Object, after: int = 0, timeout: float | None = 0.0) -> Comman
 
     The command ends as soon as there is such a change, at the latest after `timeout` s; None waits
     without limit. To be told each change once, call `roster` again and again, each time with the
-    `newest` of the previous result. Pass 0 in the first call: it is answered at once with all
-    changes that the object keeps, at most 256. A call is answered in the same way if the server
-    that gave the number was replaced by another one. Numbers are consecutive, so a gap shows that
-    changes were lost because the program asked too late. A server that was built before this
-    operation existed answers UNKNOWN_OPERATION.
+    `newest` of the previous result. Pass 0 in the first call: the object then answers at once with
+    all changes that it keeps, at most 256. The object answers in the same way if `after` comes from
+    an earlier server of the object. Numbers are consecutive, so a gap shows that changes were lost
+    because the program asked too late. A server that was built before this operation existed
+    answers UNKNOWN_OPERATION.
     """
     return _answers_of(robot).roster(after, math.inf if timeout is None else timeout)
 

@@ -221,7 +221,8 @@ class _Unobserved(Command[T, F]):
             what = f"{self._name}: dropped while it was running, so nobody would notice a failure"
         else:
             about = self._core.about() or self._name
-            # The warning tells the failure instead of the log. It is no look of the program.
+            # The warning shows the failure, so the log need not show it. To read the failure for
+            # the warning does not count as an observation by the program.
             self._core.observe()
             failure = self._as_error(self._core.peek_failure())
             what = f"{about} failed, and nobody observed the failure: {failure}"

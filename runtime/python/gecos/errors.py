@@ -147,8 +147,8 @@ class DeclaredError(CommandFailed):
         return shown
 
     def _gecos_is_computed(self) -> bool:
-        """Returns whether an optional member is present. It tells how the object computed `value`,
-        which is then no input in another unit."""
+        """Returns whether an optional member is present. Such a member says how the object computed
+        `value`. A computed `value` cannot be an input that the caller gave in a wrong unit."""
         return any(
             member.default is None and getattr(self, member.name) is not None
             for member in self._gecos_members()

@@ -31,8 +31,8 @@ class InwardSample(Generic[T]):
     value: T
     sequence: int  # increases by one with each sample that its sender has sent
     stamp: float  # time of measurement for display: Unix time in s, by the sender's clock
-    # s from measurement to reading. It is exact on one host; between hosts it is too small by at
-    # most the shortest transit time of a packet.
+    # The time in s from measurement to reading. The time is exact on one host; between hosts it is
+    # too small by at most the shortest transit time of a packet.
     age: float
     session: int  # session of the sender, as Caller.session
     command: int  # number of the command that the sample feeds; 0: none
@@ -42,11 +42,12 @@ class Inward(Generic[T]):
     """The samples that clients send to an object on one inward stream. Only one thread reads at a
     time. Reading never waits.
 
-    Each sample is judged when it is read: its session must be open, its sender must have the status
-    that the stream needs, the sample must not be older than the watchdog or the lifespan, and the
-    command that it feeds must take samples. All other samples have no effect and are only counted.
-    The samples of one client arrive in order. If a client sends more samples than the depth of the
-    stream between two reads, the oldest of them are lost.
+    Each sample is judged when it is read. A sample has an effect only if its session is open and
+    its sender has the status that the stream needs. The sample must also be younger than the
+    watchdog and the lifespan of the stream. If the sample names a command that it is meant for,
+    this command must be taking samples. All other samples are only counted. The samples of one
+    client arrive in order. If a client sends more samples than the depth of the stream between two
+    reads, the oldest of them are lost.
     """
 
     def __init__(self, servant: Servant, inward: interface.Inward[T]) -> None:

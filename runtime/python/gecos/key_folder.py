@@ -138,8 +138,8 @@ def add(file: Path, owner: str | None = None) -> str:
             raise KeyFolderError(f"{file}: this is your own key, which needs no owner")
         if is_own_user(owner):
             raise KeyFolderError(
-                f"{owner} is admitted to everything on this host, so no list would limit this key: "
-                "after the @, name the host of the key's user"
+                f"{owner} is admitted to everything on this host, so no list would limit this key; "
+                "name the owner as USER@HOST, with the host on which the owner uses the key"
             )
         _put(_owner_file(key), f"{owner}\n".encode())  # first: a list may limit this key
     _put(file_of(key), text)
@@ -276,11 +276,12 @@ def _is_of(one: Admitted, name: str) -> bool:
 def revoke(name: str) -> list[Admitted]:
     """Removes the keys of an owner, or the key with this file name or beginning of its fingerprint,
     and returns them. Writes them into the list that the broker tells to all servers. Raises
-    KeyFolderError if there is none, and RuntimeError like own_key."""
+    KeyFolderError if there is no such key, and RuntimeError like own_key."""
     found = owned_by(name)
     if not found and not re.fullmatch(r"[0-9a-fA-F:]+", name.removesuffix(_SUFFIX)):
         raise KeyFolderError(f"{name}: no admitted key has this owner; `gecos keys` lists them")
-    # First the list: if this program is ended in between, it can be run again.
+    # The list is written before the keys are removed. If this program is killed in between, running
+    # it again completes the revocation.
     if found:
         _note_revoked(revocations_of(name, found))
     for one in found:

@@ -18,7 +18,8 @@ class LineState:
     bound: float  # s, longest round trip that the interface allows; 0: none, nothing is measured
     round_trip: float | None  # s, as measured last
     degraded: bool  # the round trip has exceeded the bound for a second
-    # How often the state has changed: `degraded` has, or a failover has succeeded or failed.
+    # The number of changes so far. A change is a new value of `degraded`, or a failover that
+    # succeeded or failed.
     changes: int
     # The medium that the proxy has left, if the last change was a failover to `medium`; else empty.
     moved_from: str = ""

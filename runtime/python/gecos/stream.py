@@ -38,8 +38,9 @@ class Sample(Generic[T]):
     # counts none.
     lost: int
     stamp: float  # time of measurement for display: Unix time in s, by the server's clock
-    # s from measurement to reading. Setting a clock does not change the age. It is exact on one
-    # host; between hosts it is at most one round-trip time too large, and never too small.
+    # The time in s from measurement to reading. Setting a clock does not change the age. The age is
+    # exact on one host; between hosts it is at most one round-trip time too large, and never too
+    # small.
     age: float
 
 
@@ -142,7 +143,7 @@ class Stream(Generic[T]):
 
     @contextlib.contextmanager
     def _turn_to_look(self) -> Iterator[None]:
-        """Lets this thread read what does not wait for a sample."""
+        """Makes this thread the only reader for a read that does not wait for a sample."""
         while self._occupied() or not self._reading.acquire(timeout=_MOMENT):
             if self._occupied():
                 raise RuntimeError(

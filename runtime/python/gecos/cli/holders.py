@@ -76,8 +76,8 @@ def rosters(robot: gecos.Object, timeout: float | None = None) -> Iterator[Roste
 
 
 def _missing(told: Roster, known: int) -> str:
-    """Says what is missing between the change with the number `known` and the changes of `told`.
-    Returns an empty text if nothing is."""
+    """Returns a text about the changes that were missed between the change with the number `known`
+    and the changes of `told`. Returns an empty text if no change was missed."""
     missed = told.newest - known - len(told.changes)
     if missed == 0:
         return ""

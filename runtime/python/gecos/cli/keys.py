@@ -93,8 +93,8 @@ def add(file: Path, owner: str | None, as_json: bool) -> None:
         print_json(_plain(key))
     else:
         print(
-            f"admitted  {key_folder.fingerprint(key)}: compare this fingerprint with that "
-            "user's own"
+            f"admitted  {key_folder.fingerprint(key)}: compare this fingerprint with the one that "
+            "`gecos keys` shows to the user of the key"
         )
         whose = key_folder.owner_of(key)
         if whose is not None:

@@ -231,8 +231,9 @@ def _arguments(words: tuple[str, ...]) -> dict[str, Any]:
 
 
 class _PauseNotice:
-    """Says once that a command is paused, if its feedback has a member `speed_override` that is 0,
-    as that of the motions of an arm after override_speed(0). @pre the operation has feedback"""
+    """Prints once that a command is paused. A command is paused if its feedback has a member
+    `speed_override` with the value 0, for example a motion of an arm after override_speed(0). @pre
+    the operation has feedback"""
 
     def __init__(self, command: Command[Any, Any], name: str, shared: bool) -> None:
         self._command = command
@@ -246,7 +247,8 @@ class _PauseNotice:
         self._text = f"{name} is paused, because its speed_override is 0; {todo}"
 
     def look(self, before: str = "") -> None:
-        """Prints the notice if it is due and was not printed before; `before` goes before it."""
+        """Prints `before` and the notice, if the command is paused and the notice was not printed
+        before."""
         feedback = None if self._said else self._command.feedback()
         if not feedback or feedback.get("speed_override") != 0:
             return

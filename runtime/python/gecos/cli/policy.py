@@ -109,7 +109,7 @@ def test(
 
 @dataclass(slots=True)
 class _Found:
-    """What the lab file says about a user and an object, and what was asked."""
+    """What the lab file says about a user and an object, and what the object has answered."""
 
     allowed_by_file: bool
     rule: str  # of the lab file
@@ -170,7 +170,7 @@ def _may_connect(
         if path is None:
             found.program += "; servers that have read a file before it was removed keep its lists"
     elif found.allowed_by_file:
-        found.program = f"{list_of_program} must admit the user, too, if there is one"
+        found.program = f"{list_of_program}, if there is such a list, must admit the user, too"
     return found
 
 
@@ -185,7 +185,8 @@ def _has_list(text: str, name: str) -> bool:
 
 
 def _tell_verdict(found: _Found, name: str) -> None:
-    """Prints the verdict, by what it was decided, and on what that depends."""
+    """Prints the verdict, the rule that decided it, and the assumptions on which the verdict
+    depends."""
     from gecos.cli.report import printable
 
     for line in _verdict(found, name):
@@ -216,7 +217,8 @@ def _word(allowed: bool) -> str:
 
 
 def _about_server(server: ServerUser, name: str) -> Iterator[str]:
-    """Yields whose server an object has, as far as that is known."""
+    """Yields sentences that say which user runs the server of an object, as far as this is
+    known."""
     import socket
 
     from gecos.cli.policy_asked import KnownFrom
@@ -234,8 +236,8 @@ def _about_server(server: ServerUser, name: str) -> Iterator[str]:
             )
         case KnownFrom.UNKNOWN:
             yield (
-                f"whose server {name} is, is not known, because the broker refuses this program; "
-                "name the user by --server-user"
+                f"the user who runs the server of {name} is not known, because the broker refuses "
+                "this program; name that user by --server-user"
             )
         case KnownFrom.OPTION:
             pass
@@ -276,8 +278,8 @@ def _tell_unknown(error: Exception, operation: str | None) -> None:
 
 
 def _code(found: _Found) -> int:
-    """Returns the exit code. A refusal of the question about the status is no verdict, so it never
-    gives NO_ACCESS."""
+    """Returns the exit code. If the object refuses only to say which status an operation needs, the
+    user may still be allowed, so the exit code is not NO_ACCESS."""
     if isinstance(found.unknown, UsageFailure):
         return ExitCode.USAGE
     if not found.allowed:

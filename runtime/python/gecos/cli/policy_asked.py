@@ -1,5 +1,5 @@
-"""What `gecos policy test` asks the broker and an object: whose server the object has, whether the
-object admits this program, and which status its members need."""
+"""What `gecos policy test` asks the broker and an object: which user runs the server of the object,
+whether the object admits this program, and which status its members need."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class KnownFrom(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ServerUser:
-    """The user and the host of a server, and how they are known: those of this program if they are
-    ASSUMED or UNKNOWN."""
+    """The user and the host of a server, and how they are known. If they are ASSUMED or UNKNOWN,
+    they are the user and the host of this program."""
 
     user: str
     host: str

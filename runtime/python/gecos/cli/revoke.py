@@ -88,9 +88,10 @@ def _servers(broker: str | None, name: str, gone: list[Admitted]) -> tuple[list[
 
 
 def _behind(lab: Lab, name: str, gone: list[Admitted]) -> list[str] | None:
-    """Waits until all servers that the broker hears have applied the revocation, at most a while.
-    Returns the objects whose servers have not. Returns None if the broker does not spread it: it
-    runs as another user, or is of an older version."""
+    """Waits for a limited time until all servers that the broker hears have applied the revocation.
+    Returns the objects whose servers have not applied it. Returns None if the broker does not tell
+    the revocation to the servers, because the broker runs as another user or is of an older
+    version."""
     import time
 
     from gecos_idl.broker import Broker

@@ -36,9 +36,9 @@ class Stopping:
 
 
 def stop_objects(lab: gecos.Lab, names: Sequence[str] | None) -> Stopping:
-    """Stops the objects called `names`, or all that are online. If no broker answers, stops those
-    of this host that can be reached without a broker. Without `names`, raises CreateError if no
-    broker answers and there are none."""
+    """Stops the objects called `names`; without `names`, all objects that are online. If no broker
+    answers, stops only objects that run as this user on this host. Raises CreateError if no broker
+    answers, `names` is None, and there are no objects on this host."""
     try:
         online = {entry.name: entry for entry in entries(lab)}
     except (ConnectionError, RuntimeError) as error:
@@ -59,8 +59,8 @@ def stop_objects(lab: gecos.Lab, names: Sequence[str] | None) -> Stopping:
 def _stop_without_broker(
     lab: gecos.Lab, names: Sequence[str] | None, no_broker: Exception
 ) -> Stopping:
-    """Stops the objects whose servers run as this user on this host. Only the broker knows others,
-    so with `names` None it is not known whether all were stopped."""
+    """Stops the objects whose servers run as this user on this host. Only the broker knows other
+    objects. Therefore, if `names` is None, it is not known whether all objects were stopped."""
     found, silent = objects_here(lab)
     if names is None and not found and not silent:
         raise no_broker

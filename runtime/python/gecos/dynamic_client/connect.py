@@ -157,7 +157,8 @@ def objects_here(lab: Lab, *, patience: float = 2.0) -> tuple[dict[str, Object],
         for socket in sorted(Path(_core.runtime_directory()).glob("*.sock"))
         if socket.name != "BROKER.sock"
     ]
-    # All at the same time: a server that does not answer must not delay the others.
+    # All objects are asked at the same time, so that a server that does not answer does not delay
+    # the other answers.
     with ThreadPoolExecutor(max(1, len(sockets))) as threads:
         opened = threads.map(lambda at: lab._at(anything, f"shm:{at}", patience), sockets)
         found: dict[str, Object] = {}

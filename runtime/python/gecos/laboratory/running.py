@@ -281,10 +281,10 @@ def running(
 
 
 def _broker_of(laboratory: LaboratoryDescription, named: str) -> str:
-    """Returns the address of the broker for the programs, whose own lab file may be another file
-    than that of the laboratory, and name another broker. `named` is the value of GECOS_BROKER.
-    Raises LaboratoryError if it is not the broker that this laboratory starts. That broker is at
-    the address `shm`."""
+    """Returns the address of the broker for the programs. The programs get this address, because
+    they may read another lab file than that of the laboratory, which may name another broker.
+    `named` is the value of GECOS_BROKER. Raises LaboratoryError if this laboratory starts a broker,
+    which is at the address `shm`, and `named` is another address."""
     if laboratory.broker_address:
         return laboratory.broker_address
     if laboratory.starts_broker and named not in ("", "shm"):

@@ -21,12 +21,12 @@ class UnreadLists:
         watched = bool(laboratory.file) and not laboratory.names_users
         self._file = Path(laboratory.file).resolve() if watched else None
         self._shown = laboratory.file
-        # The first look reads the file, which may have been edited after it was read before.
+        # The first check reads the file again, because a user may have edited the file meanwhile.
         self._seen: tuple[int, int] | None = None
 
     def appeared(self) -> str:
-        """Returns what to tell when lists have appeared in the file; once, and else "". A file
-        with an error counts when it is corrected."""
+        """Returns a message for the user once, when lists have appeared in the file; otherwise "".
+        While the file has an error, its lists do not count."""
         if self._file is None or (state := self._state()) == self._seen:
             return ""
         self._seen = state

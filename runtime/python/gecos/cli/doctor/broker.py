@@ -51,7 +51,7 @@ class BrokerPlace:
 
 
 def unusable_lab_file(problem: str, file: str) -> Finding:
-    """Returns the finding for a lab file that programs need to find the broker, and cannot use.
+    """Returns the finding for a lab file that programs need to find the broker, but cannot use.
     `problem` says why, and what to do."""
     what, _, mend = problem.rpartition("; ")
     return wrong("broker", what, file, mend)
