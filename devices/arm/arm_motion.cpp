@@ -174,8 +174,9 @@ ArmMotion::Result ArmMotion::await(Lock& lock, Link& link) {
   return *std::move(link.result);
 }
 
-/// Returns whether the thread of `link` must make the next plan. The thread of the first waiting
-/// move makes it, so that the thread of the first link can stop the arm meanwhile.
+/// Returns whether the thread that waits for the move `link` must make the next plan. The thread of
+/// the first waiting move makes the plan, so that the thread of the running move can stop the arm
+/// meanwhile.
 bool ArmMotion::is_to_plan(const Link& link) const {
   if (link.part != Part::Waiting || plan_made_) return false;
   return *std::ranges::find(links_, Part::Waiting, &Link::part) == &link;

@@ -119,7 +119,7 @@ class ArmMotion {
   void watch(Lock& lock) GECOS_REQUIRES(mutex_);
   bool is_to_plan(const Link& link) const GECOS_REQUIRES(mutex_);
   /// Begins the motion of `link`, or lets `link` wait for the next plan. Returns the reason if the
-  /// move is impossible. Does nothing if the arm must stop first.
+  /// move is impossible. Does nothing if the arm must stop before this move.
   std::optional<MoveFailure> plan(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin_or_follow(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin(Link& link) GECOS_REQUIRES(mutex_);

@@ -232,7 +232,8 @@ def test_a_watch_of_the_holders_says_what_it_missed(
     warned = capsys.readouterr().err.splitlines()[0]
     if replaced:
         assert warned == (
-            "gecos: LAMP: another server serves it now; what happened between the two is not known"
+            "gecos: LAMP: another server serves the object now; changes of its holders may have "
+            "been missed"
         )
     else:  # the object keeps 256 of the 260
         assert warned == "gecos: LAMP: 4 changes of its holders before these were missed"

@@ -222,7 +222,7 @@ class ServerHandle {
     });
     if (!added) return nb::str(added.error().text.c_str());
     if (server_ != nullptr) return nb::none();
-    return nb::str((name + " is not served any more: the server was closed").c_str());
+    return nb::str(("the object " + name + " is not served: its server was closed").c_str());
   }
 
   /// Names the users and hosts that may connect, in addition to the user of this process.

@@ -44,7 +44,7 @@ class _Watch:
 
     def add(self, ending: Ending, callback: Callable[[], object]) -> None:
         self._new.append(_Awaited(ending, os.dup(ending.fileno()), callback))
-        # If the socket is full, the thread wakes up anyway.
+        # If the socket is full, the thread has bytes to read and wakes up without this byte.
         with contextlib.suppress(BlockingIOError):
             self._there.send(b"!")
         if not self._runs:

@@ -19,8 +19,8 @@ class Ceiling {
     std::size_t knot = 0;
     double s = 0, x = 0;
   };
-  /// The values of d²s/dt² of a motion: first `u`, up to the next knot but for at most `seconds`;
-  /// then `then`, for `hold` seconds.
+  /// The planned values of d²s/dt² of a motion. The first value is `u`, up to the next knot but for
+  /// at most `seconds`. The second value is `then`, for `hold` seconds.
   struct Course {
     double u = 0;
     double seconds = 0;

@@ -51,7 +51,7 @@ struct Turn {
 /// Walks along a line from one joint position to the next.
 class LineWalk {
  public:
-  /// `finer`: how often the distances between knots are halved, compared with the usual ones.
+  /// `finer`: the number of times that the usual distance between knots is halved.
   LineWalk(const arm::ArmModel& model, arm::InverseKinematics& inverse, const Line& line,
            const Frame& tool_from_flange, const JointValues& from, int finer)
       : model_(model),
@@ -94,8 +94,8 @@ class LineWalk {
 
  private:
   /// Steps to the fraction `part` of the line. Returns the joint that turns most on this step. If a
-  /// joint would have to turn very far on this step, to a position beyond its limit, also returns
-  /// this joint and no JointLimit: the cause is a singularity, not the limit.
+  /// joint would have to turn very far on this step, and to a position beyond its limit, returns
+  /// this joint and not the failure JointLimit, because the cause is a singularity.
   tl::expected<Turn, Failure> step_to(double part) {
     const JointValues before = walk_.at().joints;
     const auto failure = walk_.step_to(line_.at(part) * tool_from_flange_);
@@ -114,8 +114,9 @@ class LineWalk {
   }
 
   /// Returns why the joint positions at the fraction `part` of the line are so far from `before`.
-  /// If the positions next to `before` are outside the limits, the cause is the limit: a solver
-  /// without configurations then finds other positions.
+  /// If the solution next to `before` is outside the limits of the joints, the cause is the limit,
+  /// because a solver without configurations then returns a distant solution. Otherwise the cause
+  /// is a singularity.
   Failure why_so_far(const JointValues& before, const Turn& turn, double part, double each) const {
     const arm::LocalInverse near(model_);
     const auto next = near.solve(line_.at(part) * tool_from_flange_, near.at(before));

@@ -62,7 +62,8 @@ Places places_in(double half, std::size_t knot, std::size_t intervals) {
   return {before_corner(t, half), behind_corner(t, half)};
 }
 
-/// Rises from 0 to 1 while `part` does. The first and the second derivative are 0 at both ends.
+/// Returns a value that rises from 0 to 1 while `part` rises from 0 to 1. The first and the second
+/// derivative are 0 at both ends.
 double gradual(double part) { return part * part * part * (10 + part * (6 * part - 15)); }
 
 /// The motion of the tool on the line of a move, per unit of s: its velocity, seen from the base,
@@ -288,7 +289,8 @@ std::optional<std::vector<JointValues>> MoveChain::overlap_of_lines(const Overla
 std::vector<JointValues> MoveChain::overlap_of_joints(const Overlap& overlap,
                                                       std::size_t intervals) const {
   const Move &last = overlap.last, &next = overlap.next;
-  // The path of a line is not exact between its knots.
+  // The path of a straight move is exact only at its knots. Elsewhere, the path may differ slightly
+  // from the joint positions that the inverse kinematics give.
   const JointValues off_before =
       overlap.before - last.path.position(last.duration() - overlap.half);
   const JointValues off_after = overlap.after - next.path.position(overlap.half);

@@ -33,7 +33,8 @@ void Traversal::note(double u) {
   greatest_.newest() = std::max(greatest_.newest(), u);
 }
 
-/// Notes d²s/dt² of the plan from the time `from` to the time `to`: a cycle may pass several knots.
+/// Notes the least and the greatest d²s/dt² of the plan from the time `from` to the time `to`. They
+/// may differ, because a cycle may pass several knots.
 void Traversal::note_law(double from, double to) {
   const TimeLaw::Range range = plan().law.accelerations(from, to);
   note(range.least);

@@ -83,4 +83,4 @@ def _missing(told: Roster, known: int) -> str:
         return ""
     if 0 < missed < MOST_MISSED:
         return f"{missed} changes of its holders before these were missed"
-    return "another server serves it now; what happened between the two is not known"
+    return "another server serves the object now; changes of its holders may have been missed"

@@ -58,12 +58,12 @@ def test(
 ) -> int:
     """Says whether USER on HOST may connect to OBJECT, and which rule decides this.
 
-    Decides by the lab file of this host. A list in the program of the server is not known here: if
-    the file has a list for OBJECT, too, both must admit USER. If you are USER on HOST, also
-    connects to OBJECT, whose answer counts. With OPERATION, asks OBJECT which status this operation
-    or attribute needs; the lab file has no influence on the status. Asking leaves lines
-    in the audits of OBJECT and the broker. Ends with 0 if USER is allowed, with 5 if not, and with
-    4 if the file allows USER but OBJECT, which the broker lists, is not reached.
+    Decides by the lab file of this host. This command does not know whether the program of the
+    server has a list, too; if so, both lists must admit USER. If you are USER on HOST, this command
+    also connects to OBJECT, and the answer of OBJECT counts. With OPERATION, asks OBJECT which
+    status this operation or attribute needs; the lab file has no influence on the status. Asking
+    leaves lines in the audits of OBJECT and the broker. Ends with 0 if USER is allowed, with 5 if
+    not, and with 4 if the file allows USER but OBJECT, which the broker lists, is not reached.
     """
     import socket
 
@@ -228,7 +228,7 @@ def _about_server(server: ServerUser, name: str) -> Iterator[str]:
             whose = f"user {server.user} of host {server.host}"
             yield f"the server of {name} runs as {whose}, as the broker says"
             if server.host != socket.gethostname():
-                yield f"it reads the lab file of host {server.host}, not the file of this host"
+                yield f"that server reads the lab file of host {server.host}, not of this host"
         case KnownFrom.ASSUMED:
             yield (
                 f"this assumes that the server of {name} runs as user {server.user}, because no "
