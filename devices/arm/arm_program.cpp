@@ -116,9 +116,10 @@ class Serving {
   }
 
   /// Prepares the thread of the control loop. A control loop in real time gets a real-time
-  /// priority. If the system does not permit this, logs a warning, or only information if the
-  /// joints are simulated, because these need no punctual loop. A simulation at another speed gets
-  /// no real-time priority: it may need a whole core, and must not take it from other programs.
+  /// priority. If the system does not permit this priority, logs a warning; for simulated joints,
+  /// which need no punctual loop, logs only a message of the level Info. A simulation at another
+  /// speed than real time gets no real-time priority, because it may use a whole core and would
+  /// take this core from other programs.
   void begin_control() const {
     if (line_.clock() != 1) return;
     if (const auto missing = make_real_time()) {

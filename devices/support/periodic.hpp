@@ -17,8 +17,9 @@ class Periodic {
   /// `work` receives the time since the last cycle in s: `period`, or a multiple of `period` after
   /// missed cycles.
   Periodic(gecos::Duration period, std::function<void(double seconds)> work);
-  /// `period` and the time that `work` receives are simulated time, by `clock`. Sets the speed that
-  /// `clock` has reached. `begin` is called once on the thread, before the first cycle.
+  /// `period` and the time that `work` receives are simulated time, as `clock` counts it. This
+  /// object tells `clock` which speed the cycles have reached. `begin` is called once on the
+  /// thread, before the first cycle.
   Periodic(
       LabClock& clock, gecos::Duration period, std::function<void(double seconds)> work,
       std::function<void()> begin = [] {});

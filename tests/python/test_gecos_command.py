@@ -236,7 +236,7 @@ def test_a_watch_of_the_holders_says_what_it_missed(
             "been missed"
         )
     else:  # the object keeps 256 of the 260
-        assert warned == "gecos: LAMP: 4 changes of its holders before these were missed"
+        assert warned == "gecos: LAMP: 4 earlier changes of its holders were missed"
 
 
 def test_holders_of_a_free_object_says_so(

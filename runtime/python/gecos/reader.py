@@ -88,8 +88,8 @@ def _serve(
     asked: SimpleQueue[Turn[T] | weakref.ref[SampleReader[T]]],
     end: weakref.ref[SampleReader[T]],
 ) -> None:
-    """Runs the reader's thread. The argument `end` only keeps the weak reference alive, because a
-    destroyed weak reference does not call its callback."""
+    """Runs the reader's thread. The argument `end` is a weak reference that this function only
+    keeps alive, because a destroyed weak reference does not call its callback."""
     while isinstance(turn := asked.get(), Turn):
         turn.serve(stream)
         del turn  # a Turn would keep its event loop alive

@@ -448,14 +448,15 @@ std::optional<Plan> MoveChain::plan_of(Course& course, const TimeLaw::Start& sta
 }
 
 /// Returns whether the motion would end sooner if the arm stopped between the moves. For several
-/// moves, returns true also if this is only possible: compares with the least durations that the
-/// moves can have, and plans none of them alone.
+/// moves, the answer is an estimate, because the moves are not planned alone: the function compares
+/// with the least durations that the moves can have, and may return true although the arm would not
+/// be faster with stops.
 bool MoveChain::slower_than_stops(const Plan& plan, double begins,
                                   const std::vector<Overlap>& overlaps) const {
   const double added = begins + plan.law.duration() - ends();
   if (overlaps.size() == 1) {
-    // Most moves add little more to the motion than their duration at full speed. For these moves,
-    // no plan with a stop is made to compare with.
+    // Most moves add little more to the motion than their duration at full speed. Such moves are
+    // not compared with a plan that stops, because making this plan takes time.
     constexpr double usual = 1.5, slack = 0.1;  // s
     const Move& next = overlaps.front().next;
     return added > usual * next.duration() + slack && added > planner_.plan(next).duration();

@@ -39,12 +39,13 @@ class MoveChain {
   };
   /// Adds the move `next`, which must start at goal(), to the chain without a stop. Does not change
   /// the motion before the time `after`. Returns nullopt, and changes nothing, if the arm cannot go
-  /// over into `next`. The possible reasons are that it is too late, that the corner is beyond a
-  /// limit, that a motion with a stop would end sooner, or that a move has no length.
+  /// over into `next`. The possible reasons are that the motion at `after` is already too near to
+  /// the corner, that the corner is beyond a limit, that a motion with a stop would end sooner, or
+  /// that a move has no length.
   std::optional<Corner> extend(const Move& next, double after);
   /// Adds successive moves and plans the motion only once. Returns the corner before each of them.
-  /// Returns nullopt, and changes nothing, if they cannot be planned together: the caller can then
-  /// add one after the other.
+  /// Returns nullopt, and changes nothing, if the moves cannot be planned together. The caller can
+  /// then add the moves one after the other.
   /// @pre `next` has at least one move, and each starts at the goal of the one before.
   std::optional<std::vector<Corner>> extend(std::span<const Move> next, double after);
 

@@ -82,5 +82,5 @@ def _missing(told: Roster, known: int) -> str:
     if missed == 0:
         return ""
     if 0 < missed < MOST_MISSED:
-        return f"{missed} changes of its holders before these were missed"
+        return f"{missed} earlier changes of its holders were missed"
     return "another server serves the object now; changes of its holders may have been missed"

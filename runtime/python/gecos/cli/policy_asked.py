@@ -113,8 +113,9 @@ def member(lab: gecos.Lab, name: str, called: str, answer: Answer | None) -> Mem
 
 
 def statuses(of: Member) -> tuple[str | None, str | None]:
-    """Returns the status that calling or reading needs, and the status that setting or sending
-    needs. One of them is None if the member has no such use."""
+    """Returns two statuses: the one that a client needs to call or read a member, and the one that
+    a client needs to set it or send its samples. A status is None if the member cannot be used in
+    this way."""
     from gecos.dynamic_client import Attribute
 
     if not isinstance(of, Attribute):

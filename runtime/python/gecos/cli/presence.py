@@ -93,8 +93,9 @@ def _silent(one: SilentObject) -> Presence:
 
 
 def _problem(lab: gecos.Lab, entry: Entry) -> str | None:
-    """Returns why the server of an object does not answer, for example because no other process can
-    reach the object. Returns None if the server answers, even if it refuses this program."""
+    """Returns why the server of an object does not answer this program, for example because it
+    serves the object only inside its own process. Returns None if the server answers, even if it
+    refuses this program."""
     began = time.monotonic()
     try:
         connect_to(lab, entry, patience=ASKED_FOR)
