@@ -65,6 +65,8 @@ EDITS = [
     ("a base added", "interface Cart : Machine",
      "interface Other { @sensor void more(); }; interface Cart : Machine, Other", ""),
     ("a quality made stricter", 'latency="5ms"', 'latency="2ms"', ""),
+    ("a reliability that is the default", "@qos(reliability=RELIABLE, ", "@qos(", ""),
+    ("a reliability of samples that is the default", "@qos(depth=4)", "@qos(depth=4, reliability=BEST_EFFORT)", ""),
     ("a rate raised", 'rate="100Hz"', 'rate="200Hz"', ""),
     ("an exception renamed, its hash kept", "exception Broken", '@hash_as("Broken") exception Cracked', "G1101"),
     ("a member renamed, its hash kept", "long tries;", '@hash_as("tries") long attempts;', "G1101"),
@@ -137,6 +139,12 @@ EDITS = [
     ("a lower class", "class=SOFT_REALTIME", "class=TIME_INDEPENDENT", "G1201"),
     ("a longer latency", 'latency="5ms"', 'latency="6ms"', "G1201"),
     ("less reliability", "reliability=RELIABLE", "reliability=BEST_EFFORT", "G1201"),
+    ("less reliability of all calls", '@qos(class=SOFT_REALTIME, latency="5ms")',
+     '@qos(class=SOFT_REALTIME, latency="5ms", reliability=BEST_EFFORT)', "G1201"),
+    ("a stream that becomes reliable", "@qos(depth=4)", "@qos(depth=4, reliability=RELIABLE)", "G1201"),
+    ("an inward stream that becomes reliable", 'watchdog="48ms")', 'watchdog="48ms") @qos(reliability=RELIABLE)',
+     "G1201"),
+    ("an event that becomes reliable", "@event oneway", "@event @qos(reliability=RELIABLE) oneway", "G1201"),
     ("a longer deadline", 'deadline="10s"', 'deadline="11s"', "G1201"),
     ("no deadline", 'deadline="10s", ', "", "G1201"),
     ("a medium less", 'media="shm|lcm"', 'media="shm"', "G1201"),
@@ -201,6 +209,40 @@ def test_verdict(name: str, before: str, after: str, codes: str, tmp_path: Path)
         assert finding.message.startswith(f"{category_of(finding.code)}: ")
         assert len(finding.help) == 2, "why, and what to do instead"
         assert finding.location is not None
+
+
+STREAM = "@final struct Point { double x; };\ninterface Cart { @sensor @stream @qos(TERMS) "
+STREAM += "readonly attribute Point place; };"
+
+
+@pytest.mark.parametrize(
+    ("was", "is_now", "said"),
+    [
+        (
+            "reliability=RELIABLE",
+            "depth=4",
+            "QOS: 'Cart::place' promised reliability RELIABLE and now promises BEST_EFFORT: its "
+            "samples may be lost over lcm",
+        ),
+        (
+            "depth=4",
+            "depth=4, reliability=RELIABLE",
+            "QOS: 'Cart::place' is RELIABLE now: over lcm, its samples are refused as "
+            "QOS_UNAVAILABLE",
+        ),
+        ('media="shm"', 'media="shm", reliability=RELIABLE', None),
+        ('media="lcm"', 'media="shm|lcm", reliability=RELIABLE', "QOS: 'Cart::place' is RELIABLE"),
+        ("reliability=BEST_EFFORT", "depth=4", None),
+    ],
+)
+def test_what_a_stream_promises_of_its_samples(
+    was: str, is_now: str, said: str | None, tmp_path: Path
+) -> None:
+    old = compiled(tmp_path, "old", STREAM.replace("TERMS", was))
+    new = compiled(tmp_path, "new", STREAM.replace("TERMS", is_now))
+    found = [f.message for f in compare(old.model, new.model)]
+    assert len(found) == (0 if said is None else 1), found
+    assert said is None or found[0].startswith(said)
 
 
 def test_findings_are_sorted_by_category(tmp_path: Path) -> None:

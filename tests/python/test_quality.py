@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import gecos
 import pytest
-from gecos.interface import Media, Quality, QualityClass
+from gecos.interface import Media, Quality, QualityClass, Reliability
 from gecos.record import replace
-from lamp import LAMP, Lamp
+from lamp import LAMP, Lamp, PlainLamp
 
 HERE_ALONE = Quality(media=Media.SHM)
 
@@ -44,6 +44,56 @@ def test_over_a_medium_that_meets_it_all_is_well(lab: gecos.Lab) -> None:
     lamp = lab.create(DemandingLamp, "LAMP", medium="shm")
     assert lamp.label().result() == "a lamp"
     lamp.level.stream().close()
+
+
+class ReliableLamp(Lamp):
+    """No sample of its level may be lost on the way."""
+
+    _gecos_interface = replace(
+        LAMP,
+        streams=tuple(
+            replace(stream, quality=Quality(reliability=Reliability.RELIABLE))
+            for stream in LAMP.streams
+        ),
+    )
+
+
+@pytest.mark.usefixtures("server")
+def test_a_stream_that_must_lose_no_sample_is_refused_over_lcm_and_its_getter_works(
+    lab: gecos.Lab,
+) -> None:
+    lamp = lab.create(ReliableLamp, "LAMP", medium="lcm")
+    with pytest.raises(gecos.ConnectionFailed) as refused:
+        lamp.level.stream()
+    assert str(refused.value) == (
+        "QOS_UNAVAILABLE: LAMP.level: 'level' of LAMP was not opened over lcm: "
+        "reliability=RELIABLE: the medium lcm may lose samples, and nothing retransmits them; "
+        "create the proxy over another medium"
+    )
+    assert lamp.level().result() == 0.0
+
+
+@pytest.mark.usefixtures("server")
+@pytest.mark.parametrize("medium", ["inproc", "shm"])
+def test_a_stream_that_must_lose_no_sample_is_read_over_memory(
+    lab: gecos.Lab, servant: PlainLamp, medium: str
+) -> None:
+    lamp = lab.create(ReliableLamp, "LAMP", medium=medium)
+    with lamp.level.stream() as stream:
+        servant.publish_level(0.5)
+        assert stream.next(10.0).value == 0.5
+
+
+@pytest.mark.usefixtures("server")
+def test_explain_says_that_only_the_samples_are_refused(lab: gecos.Lab) -> None:
+    told = lab.explain(ReliableLamp, "LAMP")
+    by_name = {each.medium: each for each in told.media}
+    assert not by_name["shm"].members
+    assert [(each.name, each.samples_only) for each in by_name["lcm"].members] == [("level", True)]
+    assert (
+        "    not the samples of level: reliability=RELIABLE: the medium lcm may lose samples, and "
+        "nothing retransmits them"
+    ) in str(told)
 
 
 class RealTimeLamp(Lamp):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import os
+import pwd
 import secrets
 import shutil
+import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
@@ -168,14 +171,93 @@ def test_only_a_server_that_uses_lcm_publishes_in_clear(
 ) -> None:
     """A message that the test sends afterwards arrives, and none of the server before it."""
     lab_with_broker.start(sys.executable, HERE / "server.py", name, "shm", ready="serving")
+    with gecos.Lab() as mine:
+        baro = mine.create(Barograph, name)
+        assert heard_in_clear(name, lambda: baro.record(FIRST, TIMES, 3).result()) == 0
+
+
+FORBIDDEN = "[streams]\nopen = false\n"
+
+
+def heard_in_clear(name: str, publish: Callable[[], object]) -> int:
+    """Number of messages in clear that `publish` causes. A message that the test sends afterwards
+    arrives after them."""
     heard: list[str] = []
     bus = LCM("udpm://239.255.76.67:7667?ttl=0")
     bus.subscribe(f"{name}.*", lambda channel, _: heard.append(channel))
-    with gecos.Lab() as mine:
-        mine.create(Barograph, name).record(FIRST, TIMES, 3).result()
+    publish()
     bus.publish(f"{name}.end", b"")
-    until(lambda: bool(bus.handle_timeout(1000)), "the last message")
-    assert heard == [f"{name}.end"]
+    until(lambda: bool(bus.handle_timeout(1000)) and f"{name}.end" in heard, "the last message")
+    return heard.count(f"{name}.readings")
+
+
+@pytest.mark.parametrize("server", ["C++", "Python"])
+@pytest.mark.usefixtures("here")
+def test_a_lab_file_forbids_open_streams_and_clients_read_them_as_before(
+    server: str, name: str, lab_with_broker: Laboratory, tmp_path: Path
+) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text(FORBIDDEN)
+    lab_with_broker.env["GECOS_LAB_FILE"] = str(file)
+    program = start_server(lab_with_broker, server, name)
+    with gecos.Lab() as mine:
+        baro = mine.create(Barograph, name, medium="lcm")
+        with baro.readings.stream() as stream:
+            assert heard_in_clear(name, lambda: baro.record(FIRST, TIMES, 3).result()) == 0
+            assert stream.next(PATIENCE_S).value.number >= FIRST
+    said = f"[streams] in {file}:2 forbids open streams: {name} sends no sample in clear"
+    assert program.output().count(said) == 1, "once for the object"
+
+
+@pytest.mark.usefixtures("here")
+def test_an_edit_of_the_lab_file_forbids_open_streams_and_allows_them_again(
+    name: str, lab_with_broker: Laboratory, tmp_path: Path
+) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text("")
+    lab_with_broker.env["GECOS_LAB_FILE"] = str(file)
+    program = start_server(lab_with_broker, "Python", name)
+    with gecos.Lab() as mine:
+        baro = mine.create(Barograph, name, medium="shm")
+
+        def publish() -> None:
+            baro.record(FIRST, TIMES, 3).result()
+
+        assert heard_in_clear(name, publish) == TIMES
+        file.write_text(FORBIDDEN)
+        program.wait_for(f"forbids open streams: {name} sends no sample in clear")
+        assert heard_in_clear(name, publish) == 0
+        file.write_text("[streams]\nopen = true\n")
+        program.wait_for(f"the lab file allows open streams again: {name} sends")
+        assert heard_in_clear(name, publish) == TIMES
+
+
+def test_policy_says_whether_a_stream_is_sent_in_clear(
+    name: str, lab_with_broker: Laboratory, tmp_path: Path
+) -> None:
+    start_server(lab_with_broker, "Python", name)
+    file = tmp_path / "lab.toml"
+    who = (pwd.getpwuid(os.geteuid()).pw_name, socket.gethostname())
+
+    def told(member: str) -> tuple[str, bool]:
+        words = ["policy", "test", *who, name, member, "--file", str(file)]
+        command = [sys.executable, "-m", "gecos.cli", *words]
+        line = lab_with_broker.run(*command).lines[-1]
+        return line, json.loads(lab_with_broker.run(*command, "--json").output())["sent_in_clear"]
+
+    file.write_text("")
+    assert told("readings") == (
+        "readings is an open stream: over lcm, everybody who receives its packets reads its "
+        "samples, whatever the lists say",
+        True,
+    )
+    assert told("sealed") == ("reading sealed needs no status, for every caller", False)
+    file.write_text(FORBIDDEN)
+    assert told("readings") == (
+        f"readings is an open stream, and [streams] in {file}:2 forbids it: no sample is sent in "
+        "clear",
+        False,
+    )
 
 
 def test_an_object_whose_channel_has_too_long_a_name_is_served_without_it(

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from gidl.breaking.report import Report
 from gidl.breaking.sides import Call
 from gidl.model import Attribute, Facts, Interface, Operation
-from gidl.model.policy import Access, OnLoss, Qos, Stream
+from gidl.model.policy import Access, OnLoss, Qos, Reliability, Stream
 
 _RELIES = "programs that rely on the old promise may fail"
 _KEEP = "keep the promise"
@@ -16,8 +16,8 @@ _ASK = "keep the old declaration, or ask the person responsible for the laborato
 
 def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
     """Reports the quality terms that became weaker for the whole interface. Returns the reported
-    texts, so that `call` does not report them again for each member."""
-    weaker = tuple(_weaker(old.qos, new.qos))
+    texts. The function `call` does not report these texts again for each member."""
+    weaker = (*_weaker(old.qos, new.qos), *_calls_less_reliable(old.qos, new.qos))
     for text in weaker:
         _qos(report, old.name, f"'{old.name}' {text}", new.facts, old.facts)
     return frozenset(weaker)
@@ -26,7 +26,7 @@ def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
 def call(old: Call, new: Call, told: frozenset[str], report: Report) -> None:
     subject, places = old.scoped_name, (new.facts, old.facts)
     changes: list[tuple[str, str]] = []
-    for text in _weaker(old.qos, new.qos):
+    for text in (*_weaker(old.qos, new.qos), *_less_reliable(old, new)):
         if text not in told:
             _qos(report, subject, f"'{subject}' {text}", *places)
     if isinstance(old, Operation) and isinstance(new, Operation):
@@ -53,7 +53,6 @@ def _weaker(old: Qos, new: Qos) -> Iterator[str]:
     """Yields a text for each quality term of `old` that is weaker in `new`."""
     for what, was, is_now in (
         ("class", old.quality_class, new.quality_class),
-        ("reliability", old.reliability, new.reliability),
         ("liveliness", old.liveliness, new.liveliness),
     ):
         if was is not None and (is_now is None or is_now < was):
@@ -73,6 +72,30 @@ def _weaker(old: Qos, new: Qos) -> Iterator[str]:
         lost = sorted(set(old.media or ("inproc", "shm", "lcm", "tcp")) - set(new.media))
         if lost:
             yield f"cannot be reached over {', '.join(lost)} any more"
+
+
+_UNRELIABLE = "promised reliability RELIABLE and now promises BEST_EFFORT"
+
+
+def _calls_less_reliable(old: Qos, new: Qos) -> Iterator[str]:
+    """Calls are RELIABLE unless BEST_EFFORT is written."""
+    best_effort = Reliability.BEST_EFFORT
+    if old.reliability is not best_effort and new.reliability is best_effort:
+        yield _UNRELIABLE
+
+
+def _less_reliable(old: Call, new: Call) -> Iterator[str]:
+    """Samples are BEST_EFFORT unless RELIABLE is written. A medium that loses samples carries none
+    that are RELIABLE."""
+    if not (old.sends_samples and new.sends_samples):
+        yield from _calls_less_reliable(old.qos_of_calls, new.qos_of_calls)
+        return
+    was, is_now = (each.qos.reliability is Reliability.RELIABLE for each in (old, new))
+    if was and not is_now:
+        yield f"{_UNRELIABLE}: its samples may be lost over lcm"
+    lcm = all(each.qos.media is None or "lcm" in each.qos.media for each in (old, new))
+    if is_now and not was and lcm:
+        yield "is RELIABLE now: over lcm, its samples are refused as QOS_UNAVAILABLE"
 
 
 def duration(nanoseconds: int | None) -> str:

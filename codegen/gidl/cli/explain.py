@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
-from gidl.rules import not_yet
+from gidl.rules import no_effect
 
 _HEAD = re.compile(r"^## (G\d{4}) (.+)$", re.MULTILINE)
 
@@ -29,7 +29,7 @@ def all_titles() -> list[tuple[str, str]]:
 def lint_rules() -> list[str]:
     """Returns the codes that `--except` accepts: the codes of the lint rules, and the code of the
     warning about annotations without effect."""
-    return [code for code, _ in all_titles() if code.startswith("G09") or code == not_yet.CODE]
+    return [code for code, _ in all_titles() if code.startswith("G09") or code == no_effect.CODE]
 
 
 def closest(code: str) -> str:

@@ -29,7 +29,7 @@ from gidl.cli.shared import (
 )
 from gidl.compile import Compiled
 from gidl.diagnostics.findings import Finding, Findings
-from gidl.rules import not_yet
+from gidl.rules import no_effect
 
 
 def run() -> None:
@@ -174,9 +174,9 @@ def _check(chosen: argparse.Namespace) -> int:
     if files is None:
         return USAGE
     compiled = compiled_from(chosen, files)
-    if not compiled.has_errors and not_yet.CODE not in chosen.excepted:
+    if not compiled.has_errors and no_effect.CODE not in chosen.excepted:
         findings = Findings(list(compiled.findings))
-        not_yet.check(compiled.model, findings)
+        no_effect.check(compiled.model, findings)
         compiled = replace(compiled, findings=tuple(findings.in_order(list(compiled.sources))))
     compiled = strictly(chosen, compiled)
     show(chosen, compiled.findings, compiled.sources)

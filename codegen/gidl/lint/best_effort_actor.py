@@ -1,4 +1,5 @@
-"""Lint: an actor command should not be BEST_EFFORT, because it could be lost on the way."""
+"""Lint: an actor command should not be BEST_EFFORT, because it could be lost on the way. Does not
+look at streams, whose samples are BEST_EFFORT by default."""
 
 from __future__ import annotations
 
@@ -22,6 +23,8 @@ def check(model: Model, findings: Findings) -> None:
 
 
 def _acts(member: Operation | Attribute) -> bool:
+    if member.sends_samples:
+        return False
     if isinstance(member, Attribute):
-        return member.streams_in and member.write_access >= Access.ACTOR
-    return not member.is_event and (member.access >= Access.ACTOR or member.safety)
+        return member.has_setter and member.write_access >= Access.ACTOR
+    return member.access >= Access.ACTOR or member.safety

@@ -66,6 +66,15 @@ class Operation:
         return f"{self.interface}::{self.name}"
 
     @property
+    def sends_samples(self) -> bool:
+        """Whether the quality is that of samples: of an event or a stream."""
+        return self.is_event
+
+    @property
+    def qos_of_calls(self) -> Qos:
+        return self.qos
+
+    @property
     def inputs(self) -> tuple[Parameter, ...]:
         return tuple(p for p in self.parameters if p.direction is not Direction.OUT)
 
@@ -106,6 +115,16 @@ class Attribute:
     @property
     def scoped_name(self) -> str:
         return f"{self.interface}::{self.name}"
+
+    @property
+    def sends_samples(self) -> bool:
+        """Whether the quality is that of samples: of an event or a stream."""
+        return self.stream is not None
+
+    @property
+    def qos_of_calls(self) -> Qos:
+        """The quality of the getter and the setter."""
+        return self.qos.of_calls_of_stream if self.sends_samples else self.qos
 
     @property
     def streams_in(self) -> bool:

@@ -95,6 +95,18 @@ class Qos:
         return Qos(**merged)
 
     @property
+    def inherited_by_samples(self) -> Qos:
+        """Returns the terms of an interface that its streams and events inherit. The reliability of
+        an interface is that of its calls."""
+        return replace(self, reliability=None)
+
+    @property
+    def of_calls_of_stream(self) -> Qos:
+        """Returns the terms of a stream that its getter and setter have, too. The deadline of a
+        stream is the longest time between two samples, and its reliability is that of samples."""
+        return replace(self, deadline_ns=None, reliability=None)
+
+    @property
     def of_member(self) -> Qos:
         """Returns this quality without the terms that only an interface can have."""
         return replace(self, on_degraded=None)

@@ -183,7 +183,7 @@ class InterfaceResolver(TypeResolver):
             "parallel" in marks,
             "ordered" in marks,
             self._choice(marks, "on_loss", OnLoss, OnLoss.STOP),
-            self._qos(marks).over(outer),
+            self._qos(marks).over(outer.inherited_by_samples if is_event else outer),
             None if result is None else self._unit(marks, result),
             None if result is None else self._range(marks, result),
             marks.flag("optional"),
@@ -274,7 +274,8 @@ class InterfaceResolver(TypeResolver):
         needs_presence = write >= Access.ACTOR
         if "presence" in marks:
             needs_presence = marks.flag("presence")
-        qos = self._qos(marks).over(outer)
+        inherited = outer if stream is None else outer.inherited_by_samples
+        qos = self._qos(marks).over(inherited)
         found: list[Attribute] = []
         for name in syntax.names:
             symbol = self._names.declare(scope, name, "attribute")

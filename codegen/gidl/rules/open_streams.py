@@ -16,7 +16,7 @@ from gidl.model import (
     Union,
 )
 from gidl.model.declarations import Extensibility
-from gidl.model.policy import Access, QualityClass
+from gidl.model.policy import Access, QualityClass, Reliability
 from gidl.model.types import named_in
 from gidl.rules.walk import members
 
@@ -94,6 +94,13 @@ def _quality(attribute: Attribute, findings: Findings) -> None:
             at,
             "an open stream is not authenticated, so it never satisfies a real-time class",
             "leave out '@open_stream', or the class in '@qos'",
+        )
+    if attribute.qos.reliability is Reliability.RELIABLE:
+        findings.error(
+            CODE,
+            at,
+            "an open stream is sent over lcm, which may lose samples, so it is never RELIABLE",
+            "leave out '@open_stream', or the reliability in '@qos'",
         )
     if attribute.qos.media is not None and "lcm" not in attribute.qos.media:
         findings.error(

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from gidl.diagnostics.findings import Findings
 from gidl.model import Attribute, Facts, Model, Operation
-from gidl.model.policy import Liveliness, Qos, QualityClass
+from gidl.model.policy import Liveliness, Qos, QualityClass, Reliability
 from gidl.rules.walk import members
 
 _HARD = ("inproc", "shm", "can")
@@ -17,6 +17,7 @@ def check(model: Model, findings: Findings) -> None:
     for member in members(model):
         _terms(member.qos, member.facts, findings)
         _silence(member, findings)
+        _samples(member, findings)
         if member.facts.has("qos.on_degraded"):
             findings.error(
                 "G0412",
@@ -44,6 +45,19 @@ def _terms(qos: Qos, facts: Facts, findings: Findings) -> None:
             "G0412",
             at,
             "'start_by' is later than 'deadline', but a call must start before its deadline",
+        )
+
+
+def _samples(member: Operation | Attribute, findings: Findings) -> None:
+    """Reports a stream or event whose samples are RELIABLE over lcm alone, which loses samples."""
+    reliable = member.sends_samples and member.qos.reliability is Reliability.RELIABLE
+    if reliable and member.qos.media is not None and set(member.qos.media) == {"lcm"}:
+        findings.error(
+            "G0412",
+            member.facts.place_of("qos"),
+            f"the samples of '{member.name}' cannot be RELIABLE with the media lcm: a lost sample "
+            "is not sent again",
+            "add one of the media inproc, shm, or leave reliability out",
         )
 
 

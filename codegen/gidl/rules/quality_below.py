@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from gidl.diagnostics.findings import Findings, Note
-from gidl.model import Attribute, Facts, Interface, Model
-from gidl.model.policy import Qos, Stream
+from gidl.model import Attribute, Facts, Interface, Model, Operation
+from gidl.model.policy import Qos
 
 
 def check(model: Model, findings: Findings) -> None:
@@ -17,23 +17,24 @@ def check(model: Model, findings: Findings) -> None:
             above = model.interface(base)
             _compare(interface.simple_name, interface.qos, interface.facts, above, findings)
         for member in interface.members:
-            stream = member.stream if isinstance(member, Attribute) else None
-            _compare(member.name, member.qos, member.facts, interface, findings, stream)
+            _compare(member.name, _comparable(member), member.facts, interface, findings)
 
 
-def _compare(
-    name: str,
-    own: Qos,
-    facts: Facts,
-    above: Interface,
-    findings: Findings,
-    stream: Stream | None = None,
-) -> None:
+def _comparable(member: Operation | Attribute) -> Qos:
+    """Returns the quality of `member` without the terms in which it may be weaker than its
+    interface. The reliability of a stream or event is that of its samples, and the reliability of
+    an interface is that of its calls."""
+    own = member.qos
+    if member.sends_samples:
+        own = replace(own, reliability=None, depth=None, lifespan_ns=None)
+    if isinstance(member, Attribute) and member.stream is not None and member.stream.is_open:
+        own = replace(own, quality_class=None)
+    return own
+
+
+def _compare(name: str, own: Qos, facts: Facts, above: Interface, findings: Findings) -> None:
     if not facts.has("qos"):
         return
-    if stream is not None:  # a stream may be weaker in these terms
-        own = replace(own, reliability=None, depth=None, lifespan_ns=None)
-        own = replace(own, quality_class=None) if stream.is_open else own
     for said in _weaker(own, above.qos):
         findings.error(
             "G0413",

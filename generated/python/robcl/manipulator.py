@@ -17,6 +17,7 @@ from gecos.interface import OnNew as _OnNew
 from gecos.interface import Operation as _Operation
 from gecos.interface import Quality as _Quality
 from gecos.interface import QualityClass as _QualityClass
+from gecos.interface import Reliability as _Reliability
 from gecos.interface import event as _event
 from gecos.interface import getter as _getter
 from gecos.interface import interface as _interface
@@ -79,7 +80,7 @@ _MANIPULATOR_TOOL: _Method[Frame, None] = _method(
         _Access.SENSOR,
         quality=_Quality(
             line=_QualityClass.SOFT_REALTIME,
-            best_effort=True,
+            reliability=_Reliability.BEST_EFFORT,
             latency_ns=5000000,
             lifespan_ns=1000000000,
         ),
@@ -95,7 +96,7 @@ _MANIPULATOR_FLANGE: _Method[Frame, None] = _method(
         _Access.SENSOR,
         quality=_Quality(
             line=_QualityClass.SOFT_REALTIME,
-            best_effort=True,
+            reliability=_Reliability.BEST_EFFORT,
             latency_ns=5000000,
             lifespan_ns=1000000000,
         ),

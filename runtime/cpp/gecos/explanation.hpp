@@ -15,6 +15,7 @@ struct UnsuitedMember {
   FunctionCode code{};
   std::string name;  ///< "move", "tool"; "tool=" for a setter
   std::vector<qos::Violation> violations;
+  bool samples_only = false;  ///< the stream is refused, and its getter may be called
 };
 
 /// The reasons for and against one medium of an object.

@@ -105,7 +105,7 @@ nb::object explain(LabHandle& self, nb::handle interface, const std::string& nam
   for (const MediumVerdict& each : told->media) {
     nb::list members;
     for (const UnsuitedMember& member : each.members) {
-      members.append(nb::make_tuple(member.name, terms_of(member.violations)));
+      members.append(nb::make_tuple(member.name, terms_of(member.violations), member.samples_only));
     }
     media.append(nb::make_tuple(each.medium, each.address, each.unreachable,
                                 terms_of(each.violations), members));

@@ -53,8 +53,7 @@ Duration duration(nb::handle table, const char* name) {
 qos::Quality quality_of(nb::handle table) {
   qos::Quality quality;
   quality.line = enumerator(table, "line", qos::Class::HardRealtime);
-  quality.reliability =
-      field<bool>(table, "best_effort") ? qos::Reliability::BestEffort : qos::Reliability::Reliable;
+  quality.reliability = enumerator(table, "reliability", qos::Reliability::BestEffort);
   quality.deadline = duration(table, "deadline_ns");
   quality.start_by = duration(table, "start_by_ns");
   quality.latency = duration(table, "latency_ns");

@@ -42,8 +42,13 @@ std::pair<bool, std::string> may_register(const std::string& text, const std::st
   return {decision.allowed, std::move(decision.text)};
 }
 
-/// Returns the address of the broker that the lab file names, and the place of this entry in the
-/// file. Both are empty if the file names no address.
+std::string forbids_open_streams(const std::string& text, const std::string& file) {
+  const auto lists = access::parse_lab_file(text, file);
+  if (!lists) throw nb::value_error(to_string(lists.error()).c_str());
+  return lists->forbids_open_streams;
+}
+
+/// Returns the address and its place in the file; both are empty if the file names no address.
 std::pair<std::string, std::string> broker_in_lab_file(double patience) {
   auto found = without_gil(
       [patience = patience_of(patience)] { return session::broker_in_lab_file(patience); });
@@ -60,6 +65,7 @@ void bind_lab_file(nb::module_& module) {
              nb::arg("who"), nb::arg("object"));
   module.def("may_register", &may_register, nb::arg("text"), nb::arg("file"), nb::arg("who"),
              nb::arg("name"));
+  module.def("forbids_open_streams", &forbids_open_streams, nb::arg("text"), nb::arg("file"));
 }
 
 }  // namespace gecos::python

@@ -29,7 +29,7 @@ class Lab:
             str,
             str,
             bool,
-            list[tuple[str, str, str, _Violations, list[tuple[str, _Violations]]]],
+            list[tuple[str, str, str, _Violations, list[tuple[str, _Violations, bool]]]],
         ]
         | list[tuple[str, int, str]]
     ):
@@ -245,6 +245,10 @@ def may_connect(
 def may_register(text: str, file: str, who: tuple[str, str], name: str) -> tuple[bool, str]:
     """Returns whether a server of `who` (user and host) may register an object under `name` by this
     text of a lab file, and the rule as a sentence. Raises ValueError like lab_file_problem."""
+
+def forbids_open_streams(text: str, file: str) -> str:
+    """Returns where the text of a lab file forbids to send the samples of open streams in clear, as
+    "[streams] in lab.toml:3"; "" if it does not. Raises ValueError like lab_file_problem."""
 
 def key_directory() -> str:
     """Returns the folder of this user's keys."""

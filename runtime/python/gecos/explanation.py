@@ -23,10 +23,16 @@ class UnsuitedMember(NamedTuple):
 
     name: str
     violations: tuple[Violation, ...]
+    samples_only: bool = False  # True if the stream is refused, and its getter may be called
 
     @property
     def reason(self) -> str:
         return "; ".join(map(str, self.violations))
+
+    @property
+    def what(self) -> str:
+        """For example "move", or "the samples of tool"."""
+        return f"the samples of {self.name}" if self.samples_only else self.name
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,5 +73,5 @@ class Explanation:
             chosen = "chosen" if i == 0 else "used if the media above do not answer"
             lines.append(f"  {each.medium}: {each.reason or chosen}")
             for member in each.members:
-                lines.append(f"    not {member.name}: {member.reason}")
+                lines.append(f"    not {member.what}: {member.reason}")
         return "\n".join(lines)

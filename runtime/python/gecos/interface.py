@@ -65,6 +65,15 @@ class QualityClass(IntEnum):
     HARD_REALTIME = 2
 
 
+class Reliability(IntEnum):
+    """RELIABLE demands a medium over which nothing is lost on its way, BEST_EFFORT demands nothing.
+    DEFAULT is RELIABLE for a call, and BEST_EFFORT for the samples of a stream."""
+
+    DEFAULT = 0
+    RELIABLE = 1
+    BEST_EFFORT = 2
+
+
 class Media(IntFlag):
     """Media that a connection may use. INPROC is allowed wherever SHM is allowed."""
 
@@ -83,7 +92,7 @@ class Quality(Record, kw_only=True):
     means that there is no such demand."""
 
     line: QualityClass = QualityClass.TIME_INDEPENDENT
-    best_effort: bool = False
+    reliability: Reliability = Reliability.DEFAULT
     deadline_ns: int = 0
     start_by_ns: int = 0
     latency_ns: int = 0
@@ -97,6 +106,12 @@ class Quality(Record, kw_only=True):
 
 
 ASKED_NOTHING = Quality()
+
+
+def quality_of_calls(of_stream: Quality) -> Quality:
+    """Returns the quality that the getter and the setter of a stream demand. The deadline of a
+    stream limits the time between two samples, and its reliability is that of samples."""
+    return replace(of_stream, deadline_ns=0, reliability=Reliability.DEFAULT)
 
 
 class Operation(Record):
@@ -291,8 +306,7 @@ def method(
     if stream is not None:
         rate, largest = stream
         asked = operation.quality
-        # The deadline limits the time between two samples of the stream, not a call of the getter.
-        operation = replace(operation, quality=replace(asked, deadline_ns=0))
+        operation = replace(operation, quality=quality_of_calls(asked))
         outward = OutwardStream(
             code=operation.code,
             name=name,

@@ -131,7 +131,7 @@ class Lab:
                 address,
                 unreachable,
                 violated(terms),
-                tuple(UnsuitedMember(member, violated(its)) for member, its in members),
+                tuple(UnsuitedMember(it, violated(its), alone) for it, its, alone in members),
             )
             for medium, address, unreachable, terms, members in media
         )

@@ -96,6 +96,14 @@ TEST(LabFile, PlacesObjectsInZones) {
   EXPECT_TRUE(lab.objects.contains("LDS"));
 }
 
+TEST(LabFile, ForbidsOpenStreams) {
+  EXPECT_EQ(lists_in("[allow]\nusers = []\n[streams]\nopen = false\n").forbids_open_streams,
+            "[streams] in lab.toml:4");
+  for (const char* text : {"", "[streams]\n", "[streams]\nopen = true\n"}) {
+    EXPECT_EQ(lists_in(text).forbids_open_streams, "") << text;
+  }
+}
+
 TEST(LabFile, WithoutListsAdmitsNobodyBeyondTheUserOfTheServer) {
   EXPECT_FALSE(lists_in("").general);
   EXPECT_TRUE(lists_in("[programs.A]\nrun = [\"a\"]\n").objects.empty());
@@ -162,6 +170,10 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
       {"[broker]\n\n[objects.RX90]\n",
        "lab.toml:3: objects.RX90: this table is empty; write users = […] below "
        "[objects.RX90.allow], or zone = \"…\""},
+      {"[streams]\nopen = \"no\"", "lab.toml:2: streams.open: true or false is expected"},
+      {"[streams]\nclosed = true",
+       "lab.toml:2: streams.closed: this key is unknown; known keys are open"},
+      {"streams = false", "lab.toml:1: streams: a table is expected"},
       {"allow = 3", "lab.toml:1: allow: a table is expected"},
       {"objects = []", "lab.toml:1: objects: a table is expected"},
       {"[objects]\nRX90 = 1", "lab.toml:2: objects.RX90: a table is expected"},

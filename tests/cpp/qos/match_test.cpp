@@ -13,6 +13,7 @@ const LineCapabilities shm{.name = "shm"};
 const LineCapabilities lcm{.name = "lcm",
                            .between_hosts = true,
                            .reliable = true,
+                           .keeps_samples = false,
                            .real_time = false,
                            .reports_death = false};
 
@@ -41,6 +42,24 @@ TEST(Match, ReliableNeedsSomebodyWhoRepeats) {
   ASSERT_EQ(violations({}, bare).size(), 1U);
   EXPECT_EQ(violations({}, bare)[0].term, "reliability=RELIABLE");
   EXPECT_TRUE(violations({.reliability = Reliability::BestEffort}, bare).empty());
+}
+
+TEST(Match, ReliableSamplesNeedAMediumThatLosesNone) {
+  const Quality asked{.reliability = Reliability::Reliable};
+  EXPECT_TRUE(violations(asked, shm, Traffic::Samples).empty());
+  const auto found = violations(asked, lcm, Traffic::Samples);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].term, "reliability=RELIABLE");
+  EXPECT_EQ(found[0].why, "the medium lcm may lose samples, and nothing retransmits them");
+  EXPECT_TRUE(violations(asked, lcm, Traffic::Calls).empty()) << "the session retransmits calls";
+}
+
+TEST(Match, SamplesOfWhichNothingIsWrittenMayBeLost) {
+  EXPECT_TRUE(violations({}, lcm, Traffic::Samples).empty());
+  EXPECT_TRUE(violations({.reliability = Reliability::BestEffort}, lcm, Traffic::Samples).empty());
+  LineCapabilities bare = lcm;
+  bare.reliable = false;
+  EXPECT_TRUE(violations({}, bare, Traffic::Samples).empty());
 }
 
 TEST(Match, MediaThatAreNotNamedAreRuledOut) {

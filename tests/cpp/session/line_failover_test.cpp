@@ -51,6 +51,28 @@ class Mobile : public probe::Probe {
       : gecos::Object(std::move(session)) {}
 };
 
+/// A Mobile that loses no sample of its level on the way.
+class ReliableMobile : public Mobile {
+ public:
+  static const gecos::InterfaceDescription& gecos_description() {
+    static const std::vector<gecos::StreamDescription> streams = [] {
+      const auto known = Mobile::gecos_description().streams;
+      std::vector<gecos::StreamDescription> all(known.begin(), known.end());
+      for (auto& each : all) each.quality.reliability = gecos::qos::Reliability::Reliable;
+      return all;
+    }();
+    static const gecos::InterfaceDescription described = [] {
+      gecos::InterfaceDescription demanding = Mobile::gecos_description();
+      demanding.streams = streams;
+      return demanding;
+    }();
+    return described;
+  }
+  ReliableMobile() = default;
+  explicit ReliableMobile(std::shared_ptr<gecos::session::ClientSession> session)
+      : gecos::Object(session), Mobile(session) {}
+};
+
 /// A server that offers shm and lcm. Proxies begin on shm, which is the better medium.
 class LineFailover : public probe::Bench {
  protected:
@@ -248,6 +270,24 @@ TEST_F(LineFailover, WithoutAnotherMediumThatMeetsTheBoundTheSessionStays) {
   EXPECT_FALSE(recovered.degraded);
   EXPECT_EQ(recovered.medium, "shm");
   EXPECT_NE(recovered.why.find("again within latency=250 ms"), std::string::npos) << recovered.why;
+}
+
+TEST_F(LineFailover, WithAStreamThatMustLoseNoSampleTheSessionStaysOffLcm) {
+  const auto robot = far_.create<ReliableMobile>("PROBE", {.patience = 20s});
+  ASSERT_TRUE(robot) << robot.error();
+  LineWatch watch(*robot);
+  auto level = robot->level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  slow_down(delays.shm);
+  const LineState stays = await(watch, 2);
+  EXPECT_EQ(stays.medium, "shm");
+  EXPECT_EQ(stays.why,
+            "PROBE stays on shm: 'level' of PROBE was not opened over lcm: reliability=RELIABLE: "
+            "the medium lcm may lose samples, and nothing retransmits them; create the proxy over "
+            "another "
+            "medium");
+  servant_.publish(1);
+  EXPECT_EQ(level->next(60s)->value, 1) << "the stream goes on";
 }
 
 TEST_F(LineFailover, AMediumThatTheProgramHasChosenIsKept) {

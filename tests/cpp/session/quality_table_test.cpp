@@ -118,13 +118,27 @@ class QualityTable : public probe::Bench {
                ? "DONE"
                : std::string(to_string(detail)) + ": " + call->failure().text;
   }
+  /// A stream that demands it, over a medium that the interface allows. Its getter demands nothing.
+  std::string of_stream(const Quality& quality, Kind medium) {
+    std::vector<gecos::StreamDescription> streams(probe::description().streams.begin(),
+                                                  probe::description().streams.end());
+    for (gecos::StreamDescription& stream : streams) stream.quality = quality;
+    gecos::InterfaceDescription wanted = probe::description();
+    wanted.streams = streams;
+    const auto created_session = created(wanted, medium);
+    if (!created_session) return created_session.error().to_string();
+    const auto opened = created_session->session->subscribe(streams.front());
+    return opened ? "OPENED"
+                  : std::string(to_string(opened.error().detail)) + ": " + opened.error().text;
+  }
   void add_row(const Row& row) {
     table_ << "@qos(" << row.written
            << ")\n  interface: " << of_interface(row.quality, std::nullopt) << "\n";
     for (const Kind medium : gecos::media::all_kinds()) {
       table_ << "  interface over " << to_string(medium) << ": "
              << of_interface(row.quality, medium) << "\n  operation over " << to_string(medium)
-             << ": " << of_operation(row.quality, medium) << "\n";
+             << ": " << of_operation(row.quality, medium) << "\n  stream over " << to_string(medium)
+             << ": " << of_stream(row.quality, medium) << "\n";
     }
   }
   /// Moves the figures of the table out of the text, which is the same in every run.

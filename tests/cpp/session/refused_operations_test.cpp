@@ -78,6 +78,76 @@ TEST(RefusedOperations, AreThoseWhoseQualityTheMediumDoesNotMeet) {
   }
 }
 
+/// An attribute with a getter and a stream, an event and an inward stream, whose samples are
+/// RELIABLE.
+struct ReliableSamples {
+  static constexpr gecos::qos::Quality asked{.reliability = gecos::qos::Reliability::Reliable};
+  std::array<gecos::OperationDescription, 1> operations = {asking(1, {})};
+  std::array<gecos::StreamDescription, 2> streams = {
+      gecos::StreamDescription{.code = gecos::FunctionCode{1}, .name = "height", .quality = asked},
+      gecos::StreamDescription{
+          .code = gecos::FunctionCode{2}, .name = "touched", .event = true, .quality = asked}};
+  std::array<gecos::InwardDescription, 1> inward = {
+      gecos::InwardDescription{.code = gecos::FunctionCode{3}, .name = "target", .quality = asked}};
+  gecos::InterfaceDescription table{
+      .name = "lab::Lift", .operations = operations, .streams = streams, .inward_streams = inward};
+};
+
+TEST(RefusedOperations, IncludeReliableSamplesOverAMediumThatLosesSome) {
+  using gecos::qos::Traffic;
+  const ReliableSamples lift;
+  gecos::session::Welcome server;
+  server.object = "LIFT";
+  RefusedOperations refused({});
+  refused.check_quality(lift.table, gecos::session::line_of(gecos::media::lcm_capabilities), true);
+  for (const auto& [code, name] : {std::pair(1U, "height"), {2U, "touched"}, {3U, "target"}}) {
+    const auto failure = refused.why(gecos::FunctionCode{code}, name, server, Traffic::Samples);
+    ASSERT_TRUE(failure) << name;
+    EXPECT_EQ(failure->detail, Detail::QosUnavailable);
+    EXPECT_EQ(failure->text,
+              "'" + std::string(name) +
+                  "' of LIFT was not opened over lcm: reliability=RELIABLE: the medium lcm may "
+                  "lose samples, "
+                  "and nothing retransmits them; create the proxy over another medium");
+  }
+  EXPECT_FALSE(refused.why(gecos::FunctionCode{1}, "height", server)) << "the getter";
+
+  RefusedOperations local({});
+  local.check_quality(lift.table, gecos::session::line_of(gecos::media::shm_capabilities), true);
+  for (const std::uint32_t code : {1U, 2U, 3U}) {
+    EXPECT_FALSE(local.why(gecos::FunctionCode{code}, "", server, Traffic::Samples)) << code;
+  }
+}
+
+TEST(RefusedOperations, AreToldWithAllTermsOfAStreamAndThoseOfItsGetter) {
+  using gecos::qos::Traffic;
+  ReliableSamples lift;
+  lift.operations[0].quality.media = Media::Shm;
+  lift.streams[0].quality.media = Media::Shm;
+  const auto lcm = gecos::session::line_of(gecos::media::lcm_capabilities);
+  const std::string media = "media=shm: lcm is not one of these media";
+  const std::string both =
+      "reliability=RELIABLE: the medium lcm may lose samples, and nothing retransmits them; " +
+      media;
+  const auto found = gecos::session::unsuited_members(lift.table, lcm, false);
+  ASSERT_EQ(found.size(), 4U);
+  EXPECT_EQ(gecos::to_string(found[0].violations), media);
+  EXPECT_EQ(gecos::to_string(found[1].violations), both);
+  EXPECT_FALSE(found[0].samples_only);
+  EXPECT_TRUE(found[1].samples_only);
+  EXPECT_FALSE(found[2].samples_only) << "an event has no getter";
+  EXPECT_FALSE(found[3].samples_only) << "an inward stream has no getter";
+
+  RefusedOperations refused({});
+  refused.check_quality(lift.table, lcm, false);
+  const auto why = [&](Traffic traffic) {
+    const auto failure = refused.why(gecos::FunctionCode{1}, "height", {}, traffic);
+    return failure ? failure->text : "";
+  };
+  EXPECT_NE(why(Traffic::Samples).find("lcm: " + both + "; "), std::string::npos);
+  EXPECT_NE(why(Traffic::Calls).find("lcm: " + media + "; "), std::string::npos);
+}
+
 TEST(RefusedOperations, ThatDifferAreRefusedWhateverTheyDemand) {
   const std::array operations = {asking(7, {.media = Media::Can})};
   const gecos::InterfaceDescription lift{.name = "lab::Lift", .operations = operations};
@@ -127,7 +197,8 @@ TEST_P(Demanding, AreNamedByExplain) {
   EXPECT_NE(text.str().find("\n  " + medium + ": chosen\n"), std::string::npos) << text.str();
   const std::string why = "media=can: " + medium + " is not one of these media";
   EXPECT_NE(text.str().find("\n    not read: " + why), std::string::npos) << text.str();
-  EXPECT_NE(text.str().find("\n    not level: " + why), std::string::npos) << text.str();
+  EXPECT_NE(text.str().find("\n    not the samples of level: " + why), std::string::npos)
+      << text.str();
 }
 
 TEST_P(Demanding, CallsAndSubscriptionsEndAtOnceAndTheRestWorks) {

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import (
     Attribute,
@@ -67,7 +65,7 @@ class Tables(CallFacts):
             terms.append(".on_loss = gecos::OnLoss::Finish")
         return OperationRow(
             self._constants[call.name], hex32(call.code), short_name(call), hex64(call.hash),
-            is_getter, filled([*terms, *asked(_of_calls(member))]),
+            is_getter, filled([*terms, *asked(member.qos_of_calls)]),
         )  # fmt: skip
 
     def _stream_row(self, attribute: Attribute) -> StreamRow:
@@ -113,14 +111,6 @@ class Tables(CallFacts):
         )  # fmt: skip
 
 
-def _of_calls(member: Operation | Attribute) -> Qos:
-    """Returns the quality of the calls of `member`. If the attribute `member` has a stream, the
-    quality has no deadline, because this deadline limits the time between two samples and not a
-    call of the getter."""
-    streams = isinstance(member, Attribute) and member.streams_out
-    return replace(member.qos, deadline_ns=None) if streams else member.qos
-
-
 def asked(qos: Qos) -> list[str]:
     """Returns the initialiser of the member `.quality`. The list is empty if `qos` demands
     nothing."""
@@ -137,8 +127,9 @@ def quality(qos: Qos) -> list[str]:
     if qos.quality_class not in (None, QualityClass.TIME_INDEPENDENT):
         word = "SoftRealtime" if qos.quality_class is QualityClass.SOFT_REALTIME else "HardRealtime"
         terms.append(f".line = gecos::qos::Class::{word}")
-    if qos.reliability is Reliability.BEST_EFFORT:
-        terms.append(".reliability = gecos::qos::Reliability::BestEffort")
+    if qos.reliability is not None:
+        word = "Reliable" if qos.reliability is Reliability.RELIABLE else "BestEffort"
+        terms.append(f".reliability = gecos::qos::Reliability::{word}")
     for name in ("deadline", "start_by", "latency", "lifespan"):
         value = getattr(qos, f"{name}_ns")
         if value is not None:

@@ -112,7 +112,7 @@ _RUNTIME = (
         "gecos.interface",
         (
             "Access", "Kind", "Media", "OnDegraded", "OnLoss", "OnNew", "Operation", "Quality",
-            "QualityClass", "getter", "values",
+            "QualityClass", "Reliability", "getter", "values",
         ),
     ),
     ("gecos.proxy", ("Object",)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import Attribute, Operation
 from gidl.model.bulk import stream_in_place
-from gidl.model.policy import Liveliness, OnDegraded, OnLoss, OnNew, Qos, QualityClass, Reliability
+from gidl.model.policy import Liveliness, OnDegraded, OnLoss, OnNew, Qos, QualityClass
 from gidl.targets.calls import first_missing, short_name
 from gidl.targets.groups import call, group
 from gidl.targets.python.call_facts import CallFacts, Passed
@@ -147,7 +147,8 @@ class Tables(CallFacts):
             terms.append(f"on_new=_OnNew.{member.on_new.name}")
         if member.on_loss is not OnLoss.STOP:
             terms.append(f"on_loss=_OnLoss.{member.on_loss.name}")
-        asked = quality(member.qos.of_member)
+        # The runtime divides the terms of a stream between the stream and its getter.
+        asked = quality((member.qos if getter else member.qos_of_calls).of_member)
         terms += [] if asked == _NO_TERMS else [f"quality={asked}"]
         terms.append(f"hash=0x{layout.hash:016X}")
         return call("_getter" if getter else "_Operation", *terms)
@@ -158,8 +159,8 @@ def quality(qos: Qos) -> str:
     if qos.quality_class not in (None, QualityClass.TIME_INDEPENDENT):
         assert qos.quality_class is not None
         terms.append(f"line=_QualityClass.{qos.quality_class.name}")
-    if qos.reliability is Reliability.BEST_EFFORT:
-        terms.append("best_effort=True")
+    if qos.reliability is not None:
+        terms.append(f"reliability=_Reliability.{qos.reliability.name}")
     for name in ("deadline_ns", "start_by_ns", "latency_ns", "lifespan_ns", "depth"):
         value = getattr(qos, name)
         if value is not None:

@@ -51,8 +51,8 @@ struct NameOwner {
 /// The owners of the sources of one zone, by the name of the source.
 using SourceOwners = std::map<std::string, NameOwner>;
 
-/// The rules of a lab file: which users may connect to objects, which users may serve objects, and
-/// in which zone an object is.
+/// The rules of a lab file: which users may connect to objects, which users may serve objects, in
+/// which zone an object is, and whether samples may be sent in clear.
 struct LabAccess {
   std::string file;                            ///< for messages; "" if there is no lab file
   std::optional<AllowList> general{};          ///< for the objects that have no list of their own
@@ -61,6 +61,9 @@ struct LabAccess {
   std::map<std::string, NameOwner> names{};    ///< by the name of the object
   std::map<std::string, std::string> zones{};  ///< the zone of each object that is in one
   std::map<std::string, SourceOwners> sources{};  ///< by the name of the zone
+  /// Where the file forbids to send the samples of an @open_stream in clear, for messages, for
+  /// example "[streams] in /etc/gecos/lab.toml:3"; "" if it does not forbid this.
+  std::string forbids_open_streams{};
 };
 
 enum class AccessRule {

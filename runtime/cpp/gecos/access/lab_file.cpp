@@ -19,8 +19,9 @@ namespace {
 
 using Keys = std::span<const std::string_view>;
 
-constexpr std::array<std::string_view, 7> known_tables = {"admin", "allow",   "broker",  "clock",
-                                                          "names", "objects", "programs"};
+constexpr std::array<std::string_view, 8> known_tables = {
+    "admin", "allow", "broker", "clock", "names", "objects", "programs", "streams"};
+constexpr std::array<std::string_view, 1> streams_keys = {"open"};
 constexpr std::array<std::string_view, 2> broker_keys = {"address", "start"};
 constexpr std::array<std::string_view, 1> clock_keys = {"speed"};
 constexpr std::array<std::string_view, 4> program_keys = {"environment", "ready", "restart", "run"};
@@ -86,6 +87,9 @@ class LabFileReader {
         lab.names.emplace(name.str(), owner_of(name, owner, "names"));
       }
     }
+    if (const auto* streams = find(root, "streams", "streams")) {
+      lab.forbids_open_streams = forbids_open(*streams);
+    }
     return lab;
   }
 
@@ -94,10 +98,7 @@ class LabFileReader {
     const auto* const table = find(root, "broker", "broker");
     if (table == nullptr) return {};
     admit_only(*table, "broker.", broker_keys);
-    const toml::node* const start = table->get("start");
-    if (start != nullptr && !start->is_boolean()) {
-      refuse(start->source(), "broker.start", "true or false is expected");
-    }
+    const toml::node* const start = flag(*table, "start", "broker.start");
     const toml::node* const address = table->get("address");
     if (address == nullptr) return {};
     if (address->value_or(std::string()).empty()) {
@@ -134,6 +135,22 @@ class LabFileReader {
     if (value == nullptr) return nullptr;
     if (!value->is_table()) refuse(value->source(), place, "a table is expected");
     return value->as_table();
+  }
+
+  const toml::node* flag(const toml::table& table, std::string_view key,
+                         const std::string& place) const {
+    const toml::node* const value = table.get(key);
+    if (value != nullptr && !value->is_boolean()) {
+      refuse(value->source(), place, "true or false is expected");
+    }
+    return value;
+  }
+
+  std::string forbids_open(const toml::table& streams) const {
+    admit_only(streams, "streams.", streams_keys);
+    const toml::node* const open = flag(streams, "open", "streams.open");
+    if (open == nullptr || open->value_or(true)) return "";
+    return "[streams] in " + file_ + ":" + std::to_string(line_of(open->source()));
   }
 
   template <class Visit>

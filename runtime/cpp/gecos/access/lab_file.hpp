@@ -20,9 +20,9 @@ struct LabFileError {
 std::string to_string(const LabFileError& error);
 
 /// Reads the text of a lab file, the `lab.toml` of a laboratory. Returns the rules in the tables
-/// [admin], [allow], [names] and [objects.NAME]. Checks [broker] as `parse_lab_broker` does. In the
-/// tables that only `gecos up` reads ([clock] and [programs.NAME]), checks that each key is known.
-/// Error messages contain `file`, the path of the file.
+/// [admin], [allow], [names], [objects.NAME] and [streams]. Checks [broker] as `parse_lab_broker`
+/// does. In the tables that only `gecos up` reads ([clock] and [programs.NAME]), checks that each
+/// key is known. Error messages contain `file`, the path of the file.
 tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
                                                      const std::string& file);
 

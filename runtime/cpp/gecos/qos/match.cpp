@@ -32,19 +32,25 @@ bool too_slow(const Quality& asked, const LineCapabilities& line) {
   return binds_latency(asked) && line.latency && line.latency->round_trip > asked.latency;
 }
 
+bool too_unreliable(const Quality& asked, const LineCapabilities& line, Traffic traffic) {
+  const bool reliable = traffic == Traffic::Samples ? line.keeps_samples : line.reliable;
+  return demands_reliable(asked.reliability, traffic) && !reliable;
+}
+
 }  // namespace
 
-std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line) {
+std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line,
+                                  Traffic traffic) {
   std::vector<Violation> found;
   if (asked.line == Class::HardRealtime && !line.real_time) {
     found.push_back(
         {"class=" + std::string(to_string(asked.line)),
          "the medium " + line.name + " shares a queue with other programs and may lose packets"});
   }
-  if (asked.reliability == Reliability::Reliable && !line.reliable) {
-    found.push_back(
-        {"reliability=" + std::string(to_string(asked.reliability)),
-         "the medium " + line.name + " may lose packets, and nothing retransmits them"});
+  if (too_unreliable(asked, line, traffic)) {
+    const std::string what = traffic == Traffic::Samples ? "samples" : "packets";
+    found.push_back({"reliability=RELIABLE", "the medium " + line.name + " may lose " + what +
+                                                 ", and nothing retransmits them"});
   }
   if (!allows(asked.media, line.name)) {
     found.push_back({"media=" + to_string(asked.media), line.name + " is not one of these media"});

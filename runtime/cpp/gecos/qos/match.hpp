@@ -17,7 +17,8 @@ namespace gecos::qos {
 struct LineCapabilities {
   std::string name;            ///< name of the medium for messages, for example "shm"
   bool between_hosts = false;  ///< packets may leave the host
-  bool reliable = true;        ///< no packet is lost, or the session retransmits each lost packet
+  bool reliable = true;        ///< no call is lost, or the session retransmits each lost packet
+  bool keeps_samples = true;   ///< no sample of a stream is lost on its way
   bool real_time = true;       ///< the medium loses no packet and shares no queue with others
   bool reports_death = true;   ///< the death of a peer is reported at once, not only noticed by its
                                ///< silence
@@ -30,10 +31,11 @@ struct Violation {
   std::string why;  ///< for example "the medium lcm may lose packets, and nothing retransmits them"
 };
 
-/// Returns the terms of `asked` that `line` does not meet. The result is empty when `line` meets
-/// all terms. A latency term counts as met until the latency has been measured. HARD_REALTIME is
-/// checked only for the medium, not for the threads that wait for packets.
-std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line);
+/// Returns the terms of `asked` that `line` does not meet for `traffic`; empty when it meets all of
+/// them. A latency term counts as met until the latency has been measured. HARD_REALTIME is checked
+/// only for the medium, not for the threads that wait for packets.
+std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line,
+                                  Traffic traffic = Traffic::Calls);
 
 /// Returns the indices of the elements of `lines` that meet `asked`, best first. The promises of
 /// the media decide first, then the lower measured latency, then the order in `lines`.

@@ -30,8 +30,9 @@ std::string_view to_string(Class line) {
   return "unknown class";
 }
 
-std::string_view to_string(Reliability reliability) {
-  return reliability == Reliability::Reliable ? "RELIABLE" : "BEST_EFFORT";
+bool demands_reliable(Reliability asked, Traffic traffic) {
+  if (asked == Reliability::Default) return traffic == Traffic::Calls;
+  return asked == Reliability::Reliable;
 }
 
 std::string to_string(Media media) {

@@ -11,7 +11,14 @@
 namespace gecos::qos {
 
 enum class Class : std::uint8_t { TimeIndependent, SoftRealtime, HardRealtime };
-enum class Reliability : std::uint8_t { Reliable, BestEffort };
+enum class Reliability : std::uint8_t {
+  Default,     ///< Reliable for a call, BestEffort for the samples of a stream
+  Reliable,    ///< demands a medium over which nothing is lost on its way
+  BestEffort,  ///< demands nothing
+};
+/// What an operation or a stream sends over a medium. The samples of events and of inward streams
+/// are samples, too.
+enum class Traffic : std::uint8_t { Calls, Samples };
 /// What happens to a session whose connection exceeds the latency that its interface demands.
 enum class OnDegraded : std::uint8_t {
   Event,     ///< the session goes on; LineWatch reports the change
@@ -22,7 +29,8 @@ enum class OnDegraded : std::uint8_t {
 /// samples of the writer itself.
 enum class Liveliness : std::uint8_t { Automatic, Manual };
 std::string_view to_string(Class line);  ///< for example "HARD_REALTIME", as in the interface
-std::string_view to_string(Reliability reliability);
+/// Returns whether `asked` demands that `traffic` is not lost on its way.
+bool demands_reliable(Reliability asked, Traffic traffic);
 
 /// The media that an operation or stream may use. For example, `media="shm|can"` in an interface is
 /// `Media::Shm | Media::Can`.
@@ -38,7 +46,7 @@ bool allows(Media media, std::string_view name);
 /// A required quality of service. A duration of zero means: no requirement.
 struct Quality {
   Class line = Class::TimeIndependent;
-  Reliability reliability = Reliability::Reliable;
+  Reliability reliability = Reliability::Default;
   Duration deadline{};
   Duration start_by{};
   Duration latency{};

@@ -77,7 +77,11 @@ def explain(name: str, broker: str | None, measure: bool, as_json: bool) -> None
                         "round_trip": tried.measured.get(each.medium),
                         "not_reached": tried.not_reached.get(each.medium),
                         "members": [
-                            {"name": member.name, "reason": member.reason}
+                            {
+                                "name": member.name,
+                                "reason": member.reason,
+                                "samples_only": member.samples_only,
+                            }
                             for member in each.members
                         ],
                     }

@@ -61,14 +61,15 @@ def test(
     Decides by the lab file of this host. This command does not know whether the program of the
     server has a list, too; if so, both lists must admit USER. If you are USER on HOST, this command
     also connects to OBJECT, and the answer of OBJECT counts. With OPERATION, asks OBJECT which
-    status this operation or attribute needs; the lab file has no influence on the status. Asking
+    status this operation or attribute needs; the lab file has no influence on the status. If
+    OPERATION is an open stream, also says whether the lab file forbids to send it in clear. Asking
     leaves lines in the audits of OBJECT and the broker. Ends with 0 if USER is allowed, with 5 if
     not, and with 4 if the file allows USER but OBJECT, which the broker lists, is not reached.
     """
     import socket
 
     import gecos
-    from gecos import key_folder
+    from gecos import _core, key_folder
     from gecos.cli import policy_asked
 
     if serve and operation is not None:
@@ -98,10 +99,15 @@ def test(
                 found.member = policy_asked.member(lab, object_name, operation, found.answer)
             except (ConnectionError, RuntimeError, ValueError) as error:
                 found.unknown = error
+    if found.member is not None:
+        found.is_open = policy_asked.is_open(found.member)
+        found.forbids_open = _core.forbids_open_streams(text, str(path or ""))
     if as_json:
         _tell_json(found, operation)
     if found.member is not None and not as_json:
         print("\n".join(policy_asked.needs(found.member)))
+        if found.is_open:
+            print(policy_asked.about_open_stream(found.member.name, found.forbids_open))
     if found.unknown is not None and not as_json:
         _tell_unknown(found.unknown, operation)
     return _code(found)
@@ -118,6 +124,8 @@ class _Found:
     answer: Answer | None = None  # of the object, if this program is of the user
     member: Member | None = None
     unknown: Exception | None = None  # why the member is not known
+    is_open: bool = False  # whether the member is an open stream
+    forbids_open: str = ""  # where the lab file forbids open streams
 
     @property
     def admits(self) -> bool | None:
@@ -264,6 +272,9 @@ def _tell_json(found: _Found, operation: str | None) -> None:
             "status": called,
             "status_to_set": set_,
             "status_unknown": None if found.unknown is None else str(found.unknown),
+            "sent_in_clear": None
+            if found.member is None
+            else found.is_open and not found.forbids_open,
         }
     )
 

@@ -138,5 +138,22 @@ def needs(of: Member) -> list[str]:
     return [f"{what} needs {_words(name)}, for every caller" for what, name in told if name]
 
 
+def is_open(of: Member) -> bool:
+    """Returns whether a member is an open stream, by its interface."""
+    from gecos.dynamic_client import Attribute
+
+    return isinstance(of, Attribute) and of.stream is not None and of.stream.open
+
+
+def about_open_stream(name: str, forbidden_by: str) -> str:
+    """Returns the sentence about the open stream `name`. `forbidden_by`: where the lab file forbids
+    open streams; "" if it does not."""
+    if forbidden_by:
+        said = f"{forbidden_by} forbids it: no sample is sent in clear"
+        return f"{name} is an open stream, and {said}"
+    said = "over lcm, everybody who receives its packets reads its samples, whatever the lists say"
+    return f"{name} is an open stream: {said}"
+
+
 def _words(status: str) -> str:
     return "no status" if status == "SENSOR" else f"{status.lower()} status"

@@ -30,6 +30,7 @@ from gecos.interface import (
     interface,
     inward,
     method,
+    quality_of_calls,
 )
 from gecos.interface import Operation as OperationTable
 from gecos.proxy import Event, Object, StreamAttribute
@@ -191,7 +192,7 @@ class _Builder:
                 parallel=member.parallel,
                 on_new=member.on_new,
                 on_loss=member.on_loss,
-                quality=member.quality,
+                quality=quality_of_calls(member.quality) if member.stream else member.quality,
                 hash=member.hash,
             ),
             member,

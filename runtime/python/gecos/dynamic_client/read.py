@@ -29,7 +29,16 @@ from gecos.dynamic_client.model import (
 )
 from gecos.dynamic_client.nesting import check_nesting
 from gecos.dynamic_client.type_text import CODES, Type, parse_type
-from gecos.interface import Access, Media, OnDegraded, OnLoss, OnNew, Quality, QualityClass
+from gecos.interface import (
+    Access,
+    Media,
+    OnDegraded,
+    OnLoss,
+    OnNew,
+    Quality,
+    QualityClass,
+    Reliability,
+)
 
 _EXTENSIBILITY = ("final", "appendable")
 _ACCESS = {each.name.lower(): each for each in Access}
@@ -387,7 +396,7 @@ def _quality(data: JsonObject) -> Quality:
         media |= _MEDIA[each.lower()]
     return Quality(
         line=_QUALITY_CLASS[qos.one_of("quality_class", _QUALITY_CLASS, "TIME_INDEPENDENT")],
-        best_effort=qos.text("reliability", "") == "BEST_EFFORT",
+        reliability=Reliability[qos.one_of("reliability", Reliability.__members__, "DEFAULT")],
         deadline_ns=qos.whole("deadline_ns", 0, _MAX_NS, 0),
         start_by_ns=qos.whole("start_by_ns", 0, _MAX_NS, 0),
         latency_ns=qos.whole("latency_ns", 0, _MAX_NS, 0),

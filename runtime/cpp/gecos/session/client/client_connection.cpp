@@ -147,7 +147,7 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
         {}});
   }
   if (inbound_) return inbound_->subscribe(stream);
-  if (auto refused = refusal(stream.code, stream.name, "was not opened")) {
+  if (auto refused = refusal(stream.code, stream.name, qos::Traffic::Samples)) {
     return tl::unexpected(std::move(*refused));
   }
   return subscriptions_.subscribe(stream);
@@ -155,7 +155,7 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
 
 tl::expected<std::shared_ptr<WriterCore>, Failure> ClientConnection::open_writer(
     const InwardDescription& stream) {
-  if (auto refused = refusal(stream.code, stream.name, "was not opened")) {
+  if (auto refused = refusal(stream.code, stream.name, qos::Traffic::Samples)) {
     return tl::unexpected(std::move(*refused));
   }
   return ClientWriter::open(shared_from_this(), stream);

@@ -90,10 +90,10 @@ class ClientConnection final : public ClientSession,
   /// object. Must be called before the program receives the session.
   void receive_over(std::shared_ptr<ClientConnection> inbound) { inbound_ = std::move(inbound); }
   /// Returns a failure when this session must not use the operation or stream `name`; nullopt when
-  /// it may. `outcome`: see RefusedOperations::why.
+  /// it may. `traffic`: see RefusedOperations::why.
   std::optional<Failure> refusal(FunctionCode code, std::string_view name,
-                                 std::string_view outcome = "was not sent") const {
-    return refused_.why(code, name, welcome_, outcome);
+                                 qos::Traffic traffic = qos::Traffic::Calls) const {
+    return refused_.why(code, name, welcome_, traffic);
   }
 
   /// Ends the session because its connection no longer meets the quality that the interface

@@ -27,7 +27,8 @@ std::ostream& operator<<(std::ostream& out, const Explanation& explanation) {
     }
     out << each.unreachable << to_string(each.violations);
     for (const UnsuitedMember& member : each.members) {
-      out << "\n    not " << member.name << ": " << to_string(member.violations);
+      out << "\n    not " << (member.samples_only ? "the samples of " : "") << member.name << ": "
+          << to_string(member.violations);
     }
   }
   return out;

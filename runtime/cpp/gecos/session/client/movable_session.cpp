@@ -72,7 +72,7 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> MovableSession::subscribe(
   // If the session stays on its medium, its streams may come over a second session, the 'in'
   // channel.
   if (!must_stay_.empty()) return session->subscribe(stream);
-  if (auto refused = session->refusal(stream.code, stream.name, "was not opened")) {
+  if (auto refused = session->refusal(stream.code, stream.name, qos::Traffic::Samples)) {
     return tl::unexpected(std::move(*refused));
   }
   auto opened = session->subscriptions().subscribe(stream);
@@ -215,7 +215,7 @@ tl::expected<std::vector<MovableSession::Resumed>, Failure> MovableSession::resu
     auto stream = known.lock();
     if (stream == nullptr) continue;
     const StreamDescription& about = stream->description();
-    if (auto refused = found.refusal(about.code, about.name, "was not opened")) {
+    if (auto refused = found.refusal(about.code, about.name, qos::Traffic::Samples)) {
       return tl::unexpected(std::move(*refused));
     }
     auto core = found.subscriptions().subscribe(about, stream->core().get());

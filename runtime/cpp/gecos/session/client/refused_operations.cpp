@@ -9,17 +9,23 @@ namespace gecos::session {
 void RefusedOperations::check_quality(const InterfaceDescription& wanted,
                                       const qos::LineCapabilities& line, bool simulated) {
   medium_ = line.name;
-  for (const auto& [code, name, violations] : unsuited_members(wanted, line, simulated)) {
-    unsuited_.push_back({code, to_string(violations)});
+  for (const UnsuitedMember& member : unsuited_members(wanted, line, simulated)) {
+    std::string terms = to_string(member.violations);
+    if (!member.samples_only) calls_.push_back({member.code, terms});
+    // A stream is refused with its getter. Its own entry follows, and lists all its terms.
+    std::erase_if(streams_, [&](const Unsuited& each) { return each.code == member.code; });
+    streams_.push_back({member.code, std::move(terms)});
   }
-  std::ranges::stable_sort(unsuited_, {}, &Unsuited::code);
+  std::ranges::sort(calls_, {}, &Unsuited::code);
+  std::ranges::sort(streams_, {}, &Unsuited::code);
 }
 
 std::optional<Failure> RefusedOperations::why(FunctionCode code, std::string_view name,
-                                              const Welcome& server,
-                                              std::string_view outcome) const {
+                                              const Welcome& server, qos::Traffic traffic) const {
+  const bool called = traffic == qos::Traffic::Calls;
   const auto what = [&] {
-    return "'" + std::string(name) + "' of " + server.object + " " + std::string(outcome);
+    return "'" + std::string(name) + "' of " + server.object +
+           (called ? " was not sent" : " was not opened");
   };
   if (std::ranges::binary_search(differing_, code)) {
     return Failure{
@@ -30,8 +36,9 @@ std::optional<Failure> RefusedOperations::why(FunctionCode code, std::string_vie
         {},
         {}};
   }
-  const auto found = std::ranges::lower_bound(unsuited_, code, {}, &Unsuited::code);
-  if (found == unsuited_.end() || found->code != code) return std::nullopt;
+  const std::vector<Unsuited>& unsuited = called ? calls_ : streams_;
+  const auto found = std::ranges::lower_bound(unsuited, code, {}, &Unsuited::code);
+  if (found == unsuited.end() || found->code != code) return std::nullopt;
   return Failure{
       Detail::QosUnavailable,
       what() + " over " + medium_ + ": " + found->terms + "; create the proxy over another medium",

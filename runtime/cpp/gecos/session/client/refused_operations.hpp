@@ -15,7 +15,7 @@ namespace gecos::session {
 
 /// The operations and streams that a client must not use in one session. The client refuses them
 /// before anything is sent. Both the getter and the stream of an attribute have the code of the
-/// attribute.
+/// attribute; the stream may be refused alone.
 class RefusedOperations {
  public:
   /// `differing`: the codes of the operations that server and client define differently, sorted.
@@ -27,10 +27,10 @@ class RefusedOperations {
   void check_quality(const InterfaceDescription& wanted, const qos::LineCapabilities& line,
                      bool simulated);
 
-  /// Returns why the operation or stream `name` is refused; nullopt if it may be used. `outcome`:
-  /// the words of the message that say what did not happen, for example "was not opened".
+  /// Returns why the operation or stream `name` is refused; nullopt if it may be used. `traffic`:
+  /// Calls for an operation, Samples for a stream.
   std::optional<Failure> why(FunctionCode code, std::string_view name, const Welcome& server,
-                             std::string_view outcome = "was not sent") const;
+                             qos::Traffic traffic = qos::Traffic::Calls) const;
 
  private:
   struct Unsuited {
@@ -38,7 +38,8 @@ class RefusedOperations {
     std::string terms;  ///< for example "media=shm: lcm is not one of these media"
   };
   const std::vector<FunctionCode> differing_;
-  std::vector<Unsuited> unsuited_;  ///< sorted by code
+  std::vector<Unsuited> calls_;    ///< sorted by code
+  std::vector<Unsuited> streams_;  ///< sorted by code; also has the code of each of `calls_`
   std::string medium_;
 };
 

@@ -13,7 +13,8 @@ qos::LineCapabilities line_of(const media::Capabilities& capabilities) {
   qos::LineCapabilities line;
   line.name = capabilities.name;
   line.between_hosts = capabilities.reach == media::Reach::Network;
-  line.reliable = true;  // when the medium loses packets, the session sends them again
+  line.reliable = true;  // when the medium loses packets, the session sends those of calls again
+  line.keeps_samples = capabilities.reliable;
   line.real_time = capabilities.real_time;
   // Within one process, client and server die together, so no medium needs to report a death.
   line.reports_death = capabilities.reports_death || capabilities.reach == media::Reach::Process;
@@ -102,18 +103,19 @@ tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const
 std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interface,
                                              const qos::LineCapabilities& line, bool simulated) {
   std::vector<UnsuitedMember> found;
-  const auto check = [&](const auto& member) {
-    auto violated = qos::violations(demanded_of(member.quality, simulated), line);
+  const auto check = [&](const auto& member, qos::Traffic traffic) {
+    auto violated = qos::violations(demanded_of(member.quality, simulated), line, traffic);
     if (violated.empty()) return;
-    found.push_back({member.code, std::string(member.name), std::move(violated)});
+    // A stream has the code of its getter, and most terms of its quality.
+    const auto getter = std::ranges::find(found, member.code, &UnsuitedMember::code);
+    if (getter != found.end() && getter->violations.size() == violated.size()) return;
+    const bool samples_only =
+        traffic == qos::Traffic::Samples && interface.find(member.code) != nullptr;
+    found.push_back({member.code, std::string(member.name), std::move(violated), samples_only});
   };
-  for (const auto* operation : interface.all_operations()) check(*operation);
-  for (const auto* stream : interface.all_streams()) {
-    // The stream of an attribute has the quality and the code of the attribute's getter.
-    if (std::ranges::find(found, stream->code, &UnsuitedMember::code) == found.end())
-      check(*stream);
-  }
-  for (const auto* stream : interface.all_inward_streams()) check(*stream);
+  for (const auto* each : interface.all_operations()) check(*each, qos::Traffic::Calls);
+  for (const auto* each : interface.all_streams()) check(*each, qos::Traffic::Samples);
+  for (const auto* each : interface.all_inward_streams()) check(*each, qos::Traffic::Samples);
   return found;
 }
 

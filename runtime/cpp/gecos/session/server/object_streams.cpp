@@ -18,6 +18,12 @@ void ObjectStreams::offer(std::shared_ptr<media::Acceptor> acceptor) {
   acceptors_[name] = std::move(acceptor);
 }
 
+bool ObjectStreams::allow_in_clear(bool allowed) {
+  bool changed = false;
+  for (const auto& port : ports_) changed |= port->allow_in_clear(allowed);
+  return changed;
+}
+
 void ObjectStreams::close() {
   for (const auto& port : ports_) port->close();
   const MutexLock lock(mutex_);

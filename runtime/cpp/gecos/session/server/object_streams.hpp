@@ -20,6 +20,9 @@ class ObjectStreams {
   /// Allows clients that connect through `acceptor` to subscribe, and publishes the open streams on
   /// its open channels.
   void offer(std::shared_ptr<media::Acceptor> acceptor);
+  /// Allows or forbids to send the samples of open streams in clear; at first this is allowed.
+  /// Returns true if there is an open stream for which this is a change.
+  bool allow_in_clear(bool allowed);
   /// After this call, published samples reach no client.
   void close();
   /// Lets the client of `connection` read the stream. Returns the id of the stream on that

@@ -63,6 +63,19 @@ void check_names(const std::vector<std::string>& names, const std::string& what)
   }
 }
 
+/// Makes `object` follow the rule of the lab file about open streams. Logs each change once.
+void judge_open_streams(ObjectHost& object, const access::LabAccess& lab) {
+  const std::string& forbidden_by = lab.forbids_open_streams;
+  if (!object.streams().allow_in_clear(forbidden_by.empty())) return;
+  if (forbidden_by.empty()) {
+    log_warning("session", "the lab file allows open streams again: " + object.name() +
+                               " sends their samples in clear over lcm");
+  } else {
+    log_warning("session", forbidden_by + " forbids open streams: " + object.name() +
+                               " sends no sample in clear; clients read its streams as before");
+  }
+}
+
 }  // namespace
 
 class Server::Core {
@@ -117,9 +130,9 @@ class Server::Core {
   /// Prints a warning to stderr, and records in the audit, that every user of every host may
   /// connect to an object.
   void announce_insecure(const std::string& name) const;
-  /// Moves objects to the zones in which an edit of the lab file has placed them, and tells the
-  /// broker which users the objects admit after the edit. If the edit places an object in no zone,
-  /// the object stays in its zone until it is served anew.
+  /// Moves objects to the zones in which an edit of the lab file has placed them, applies its rule
+  /// about open streams, and tells the broker whom the objects admit since the edit. An object
+  /// leaves all zones only when it is served anew.
   void follow_lab_file(TimePoint now) GECOS_REQUIRES(mutex_);
 
   const pid_t owner_ = getpid();
@@ -186,6 +199,7 @@ void Server::Core::follow_lab_file(TimePoint now) {
   try {
     registrar_.renew_lists();
     for (const auto& object : objects_) {
+      judge_open_streams(*object, *lists);
       const std::string zone = access_->zone_of(object->name());
       if (zone.empty() || zone == object->presence().zone()) continue;
       log_warning("session", "the lab file places " + object->name() + " in zone " + zone);
@@ -332,12 +346,14 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   auto object = std::make_shared<ObjectHost>(lab_->runtime(), name, servant, std::move(options),
                                              audit_, rights(), zone);
   if (admission_ == Admission::Insecure) announce_insecure(name);
+  judge_open_streams(*object, *access_->lists());
   // Another thread may have added the servant in the meantime.
   if (!servant.gecos_attach(object)) return served_already(name, servant);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
   {
     const MutexLock lock(mutex_);
     objects_.push_back(object);
+    judge_open_streams(*object, *access_->lists());  // an edit since then was not followed
     if (!zone.empty()) zones_.add(zone, object);
   }
   if (well_known) return {};

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
-#include "gecos/session/protocol/open_message.hpp"
 
 namespace gecos::session {
 namespace {
@@ -114,7 +113,10 @@ void StreamPort::distribute(const media::StreamWriter* written) {
     if (writer.get() == written) continue;
     if (!writer->publish(all, latest_stamp_ns_)) drop(sample.size(), medium);
   }
-  if (!open_channels_.empty()) send_in_clear(sample);
+  clear_.send(sample, [&](std::string_view medium) {
+    mutex_.assert_held();
+    if (!writers_.contains(medium)) drop(sample.size(), medium);  // else it is counted already
+  });
 }
 
 tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
@@ -197,20 +199,13 @@ void StreamPort::publish_in_clear(media::Acceptor& acceptor) {
     return;
   }
   const MutexLock lock(mutex_);
-  if (*opened) open_channels_.insert_or_assign(acceptor.capabilities().name, std::move(*opened));
+  if (*opened) clear_.add(acceptor.capabilities().name, std::move(*opened));
 }
 
-/// Sends while the mutex is held, as the writers of the media do, so that the samples of several
-/// publishing threads leave in the order of their numbers. The sample is sent as one UDP datagram
-/// (or its fragments) without an answer. The send waits only while the send buffer of the socket is
-/// full, until the network card of this host has sent a part of the buffer. No reader can delay the
-/// send.
-void StreamPort::send_in_clear(ByteView sample) {
-  write_open_message(open_message_, stream_.open_fingerprint.value_or(0), sample);
-  for (const auto& [medium, channel] : open_channels_) {
-    if (channel->publish(open_message_)) continue;
-    if (!writers_.contains(medium)) drop(sample.size(), medium);  // else it is counted already
-  }
+bool StreamPort::allow_in_clear(bool allowed) {
+  if (!stream_.open_fingerprint) return false;
+  const MutexLock lock(mutex_);
+  return clear_.allow(allowed);
 }
 
 void StreamPort::drop(std::size_t size, std::string_view medium) {
@@ -249,7 +244,7 @@ void StreamPort::close() {
   latest_in_ = nullptr;
   kept_ = false;
   writers_.clear();
-  open_channels_.clear();
+  clear_.end();
 }
 
 }  // namespace gecos::session

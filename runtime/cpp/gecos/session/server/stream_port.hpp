@@ -13,6 +13,7 @@
 #include "gecos/media/medium.hpp"
 #include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/protocol/sample_time.hpp"
+#include "gecos/session/server/clear_sender.hpp"
 
 namespace gecos::session {
 
@@ -29,7 +30,7 @@ class StreamPort {
  public:
   /// `object`: the name of the object, used in messages. Both arguments must outlive the port.
   StreamPort(const std::string& object, const StreamDescription& stream)
-      : object_(object), stream_(stream) {}
+      : object_(object), stream_(stream), clear_(stream.open_fingerprint.value_or(0)) {}
 
   const StreamDescription& stream() const { return stream_; }
   void publish(ByteView sample, const SampleTime& time);
@@ -53,6 +54,9 @@ class StreamPort {
   /// If the stream is an @open_stream and `acceptor` has channels for open streams, publishes all
   /// later samples in clear, too. Otherwise does nothing.
   void publish_in_clear(media::Acceptor& acceptor);
+  /// Allows or forbids to send samples in clear. Returns true if this is a change for an
+  /// @open_stream; does nothing for other streams.
+  bool allow_in_clear(bool allowed);
   /// Makes all later samples over `medium` unreadable for clients with whom the stream is no longer
   /// shared.
   void move_on(std::string_view medium);
@@ -78,7 +82,6 @@ class StreamPort {
       GECOS_REQUIRES(mutex_);
   /// Returns the number of the newest sample; 0 when there is no sample yet.
   std::uint64_t newest_number() const GECOS_REQUIRES(mutex_);
-  void send_in_clear(ByteView sample) GECOS_REQUIRES(mutex_);
   void drop(std::size_t size, std::string_view medium) GECOS_REQUIRES(mutex_);
   std::string named() const;
 
@@ -87,11 +90,11 @@ class StreamPort {
   Mutex mutex_;
   std::map<std::string_view, std::unique_ptr<media::StreamWriter>> writers_
       GECOS_GUARDED_BY(mutex_);
-  std::map<std::string_view, std::unique_ptr<media::OpenChannel>> open_channels_
-      GECOS_GUARDED_BY(mutex_);  ///< by medium; of an @open_stream only
-  Bytes open_message_ GECOS_GUARDED_BY(mutex_);
-  /// The latest sample, with the measurement time appended.
-  Bytes latest_ GECOS_GUARDED_BY(mutex_);
+  /// Sends while the mutex is held, as the writers of the media do, so that the samples of several
+  /// publishing threads leave in the order of their numbers. Has channels for an @open_stream only.
+  ClearSender clear_ GECOS_GUARDED_BY(mutex_);
+  Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< the latest sample, with the measurement time
+                                           ///< appended
   /// The writer whose memory has the latest sample, which was written in place; null if `latest_`
   /// has it.
   media::StreamWriter* latest_in_ GECOS_GUARDED_BY(mutex_) = nullptr;

@@ -1,4 +1,4 @@
-"""`gidl check` warns about annotations that do not act in this version."""
+"""`gidl check` warns about annotations that can have no effect where they are written."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ from gidl.cli.main import main
 from gidl.compile import compile_files
 from gidl.diagnostics.findings import Findings
 from gidl.model.policy import Qos
-from gidl.rules import not_yet
+from gidl.rules import no_effect
 
 IDL = Path(__file__).parents[2] / "idl"
 
@@ -19,10 +19,10 @@ interface Arm {
   void move(@bulk in sequence<octet> path);
   @sensor @idempotent @qos(deadline="1s")
   long fine();
-  @actor @on_new("queue") @qos(start_by="1s", liveliness=MANUAL, lifespan="1s")
+  @actor @on_new("queue") @qos(start_by="1s", liveliness=MANUAL, lifespan="1s", depth=2)
   void also();
-  @sensor @stream(rate="10Hz") @open_stream @qos(reliability=BEST_EFFORT, depth=4, deadline="1s")
-  readonly attribute Image state;
+  @sensor @stream(rate="10Hz") @open_stream
+  @qos(depth=4, deadline="1s", start_by="1s") readonly attribute Image state;
   @actor @stream(dir="in", watchdog="8ms") @qos(deadline="1s", lifespan="1s", liveliness=MANUAL)
   attribute double speed;
 };
@@ -41,7 +41,7 @@ def terms(said: str) -> set[tuple[int, str]]:
     return {(int(line), term) for line, term in found}
 
 
-def test_each_term_that_does_not_act_is_named_where_it_is_written(
+def test_each_term_without_effect_is_named_where_it_is_written(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["check", "a.gidl"]) == 0
@@ -51,9 +51,57 @@ def test_each_term_that_does_not_act_is_named_where_it_is_written(
         (5, "@bulk"),
         (8, "@qos(liveliness)"),
         (8, "@qos(lifespan)"),
-        (10, "@qos(reliability)"),
+        (8, "@qos(depth)"),
+        (11, "@qos(start_by)"),
         (12, "@qos(deadline)"),
     }
+
+
+SAID = {
+    "@qos(latency)": "TIME_INDEPENDENT promises nothing about time\n"
+    "write class=SOFT_REALTIME or class=HARD_REALTIME, or leave out 'latency'",
+    "@idempotent": "a status ends with its session, so the call would be denied in a new session\n"
+    "leave out '@idempotent', or write @sensor if the operation only reads",
+    "@bulk": "the value is copied\n"
+    "write the octets as the one '@bulk sequence<octet>' of a struct, and publish the struct as a "
+    "@stream; elsewhere, leave out '@bulk'",
+    "@qos(liveliness)": "only the writer of a stream must show that it is alive\n"
+    "leave out 'liveliness': the session shows that the caller and the server are alive",
+    "@qos(lifespan)": "only the samples of a stream have a lifespan\n"
+    "write 'start_by' or 'deadline' to limit the age of a call",
+    "@qos(depth)": "only a stream keeps earlier samples\nleave out 'depth'",
+    "@qos(start_by)": "only a call waits to be started\n"
+    "write 'lifespan' to limit the age of a sample",
+    "@qos(deadline)": "only the watchdog limits the silence of the clients that send\n"
+    "write 'watchdog' in @stream",
+}
+
+
+def test_each_finding_says_why_and_what_to_write_instead(here: Path) -> None:
+    findings = Findings()
+    no_effect.check(compile_files([str(here / "a.gidl")], [str(here)]).model, findings)
+    said = {f.message.split("'")[1]: f for f in findings.found}
+    told = {
+        term: "\n".join([f.message.partition(" has no effect: ")[2], *f.help])
+        for term, f in said.items()
+    }
+    assert told == SAID
+    assert set(told) == {str(term) for term in no_effect.NO_EFFECT}, "each term has an example"
+
+
+def test_the_latency_of_an_interface_binds_its_members_of_real_time(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "b.gidl").write_text(
+        '@qos(latency="5ms") interface Arm {\n'
+        "  @sensor @qos(class=SOFT_REALTIME) long prompt();\n"
+        "};\n"
+        '@qos(latency="5ms") interface Belt {\n'
+        "  @sensor long slow();\n"
+        "};\n"
+    )
+    assert main(["check", "b.gidl"]) == 0
+    assert terms(capsys.readouterr().err) == {(4, "@qos(latency)")}
 
 
 @pytest.mark.parametrize(
@@ -108,14 +156,13 @@ def test_included_files_are_not_spoken_of(here: Path, capsys: pytest.CaptureFixt
     assert "G0708" not in capsys.readouterr().err
 
 
-def test_our_own_interfaces_ask_for_this_much_that_is_to_come() -> None:
+def test_our_own_interfaces_write_nothing_without_effect() -> None:
     files = sorted(str(p) for p in IDL.rglob("*.gidl"))
     findings = Findings()
-    not_yet.check(compile_files(files, [str(IDL)]).model, findings)
-    asked = {(f.location.file, f.message.split("'")[1]) for f in findings.found if f.location}
-    assert asked == {("robcl/manipulator.gidl", f"@qos({term})") for term in ("reliability",)}
+    no_effect.check(compile_files(files, [str(IDL)]).model, findings)
+    assert not findings.found
 
 
 def test_the_table_names_terms_of_the_quality() -> None:
     known = {"class"} | {name.removesuffix("_ns") for name in Qos.__slots__}
-    assert {t.argument for t in not_yet.NOT_YET if t.annotation == "qos"} <= known
+    assert {t.argument for t in no_effect.NO_EFFECT if t.annotation == "qos"} <= known

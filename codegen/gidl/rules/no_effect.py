@@ -1,8 +1,8 @@
-"""Annotations, and arguments of annotations, that gidl accepts although they have no effect in
-this version.
+"""Annotations and arguments of annotations that gidl accepts, but that cannot have an effect on the
+declaration on which they are written.
 
-`gidl check` warns at each use of such a term, so that nobody relies on the term. A change that
-gives a term its effect must remove the line of the term from `NOT_YET`.
+`gidl check` warns at each use of such a term, so that nobody relies on the term. Each of them acts
+on other declarations: docs/gidl.md says on which.
 """
 
 from __future__ import annotations
@@ -39,9 +39,13 @@ def _is_inward(declared: Declared) -> bool:
 
 
 def _no_real_time(declared: Declared) -> bool:
-    return declared is not None and declared.qos.quality_class in (
-        None,
-        QualityClass.TIME_INDEPENDENT,
+    """The latency of an interface binds its members that have a real-time class, too."""
+    if declared is None:
+        return False
+    inheriting = declared.members if isinstance(declared, Interface) else ()
+    return all(
+        each.qos.quality_class in (None, QualityClass.TIME_INDEPENDENT)
+        for each in (declared, *inheriting)
     )
 
 
@@ -49,16 +53,13 @@ def _is_call(declared: Declared) -> bool:
     return isinstance(declared, Operation | Attribute) and not _is_stream(declared)
 
 
-def _is_member(declared: Declared) -> bool:
-    return isinstance(declared, Operation | Attribute)
-
-
 @dataclass(frozen=True, slots=True)
 class Term:
     annotation: str
     argument: str  # name or quoted value of an argument; "": the whole annotation
     applies: Callable[[Declared], bool]
-    today: str
+    why: str
+    instead: str  # what to write instead
 
     @property
     def written(self) -> str:
@@ -70,40 +71,70 @@ class Term:
         return f"@{self.annotation}({self.argument})" if self.argument else f"@{self.annotation}"
 
 
-_ALL_RELIABLE = "every sample and call is sent with the reliability of its medium"
-
-NOT_YET = (
+NO_EFFECT = (
     Term(
         "idempotent",
         "",
         _needs_status,
-        "a call that needs actor status is not sent again in a new session",
+        "a status ends with its session, so the call would be denied in a new session",
+        "leave out '@idempotent', or write @sensor if the operation only reads",
     ),
     Term(
         "bulk",
         "",
         _always,
-        "the value is copied; only a sequence<octet> that is the single @bulk member in the "
-        "samples of a stream is written and read in place",
+        "the value is copied",
+        "write the octets as the one '@bulk sequence<octet>' of a struct, and publish the struct "
+        "as a @stream; elsewhere, leave out '@bulk'",
     ),
-    Term("qos", "latency", _no_real_time, "the latency is checked only with a real-time class"),
-    Term("qos", "lifespan", _is_call, "only the samples of a stream have a lifespan"),
-    Term("qos", "liveliness", _is_call, "only the writer of a stream must show that it is alive"),
-    Term("qos", "start_by", _is_stream, "only a call has a time by which it must start"),
+    Term(
+        "qos",
+        "latency",
+        _no_real_time,
+        "TIME_INDEPENDENT promises nothing about time",
+        "write class=SOFT_REALTIME or class=HARD_REALTIME, or leave out 'latency'",
+    ),
+    Term(
+        "qos",
+        "lifespan",
+        _is_call,
+        "only the samples of a stream have a lifespan",
+        "write 'start_by' or 'deadline' to limit the age of a call",
+    ),
+    Term(
+        "qos",
+        "liveliness",
+        _is_call,
+        "only the writer of a stream must show that it is alive",
+        "leave out 'liveliness': the session shows that the caller and the server are alive",
+    ),
+    Term(
+        "qos",
+        "start_by",
+        _is_stream,
+        "only a call waits to be started",
+        "write 'lifespan' to limit the age of a sample",
+    ),
     Term(
         "qos",
         "deadline",
         _is_inward,
-        "only the watchdog in @stream limits the silence of the sender",
+        "only the watchdog limits the silence of the clients that send",
+        "write 'watchdog' in @stream",
     ),
-    Term("qos", "depth", _is_call, "only a stream keeps earlier samples"),
-    Term("qos", "reliability", _is_member, _ALL_RELIABLE),
+    Term(
+        "qos",
+        "depth",
+        _is_call,
+        "only a stream keeps earlier samples",
+        "leave out 'depth'",
+    ),
 )
 
 
 def check(model: Model, findings: Findings) -> None:
-    """Warns about the terms of annotations, such as `deadline` of `@qos`, that have no effect yet.
-    Looks at the files named on the command line, not at those that they include."""
+    """Warns about the terms of annotations, such as `depth` of `@qos`, that have no effect. Looks
+    at the files named on the command line, not at those that they include."""
     in_place = _in_place(model)
     for file in model.files:
         if file.asked_for:
@@ -125,12 +156,13 @@ def _in_place(model: Model) -> set[int]:
 
 
 def _one(declared: Declared, name: str, facts: Facts, findings: Findings) -> None:
-    for term in NOT_YET:
+    for term in NO_EFFECT:
         if facts.has(term.written) and term.applies(declared):
             findings.warning(
                 CODE,
                 facts.place_of(term.written),
-                f"'{term}' of '{name}' has no effect in this version: {term.today}",
+                f"'{term}' of '{name}' has no effect: {term.why}",
+                term.instead,
             )
 
 
