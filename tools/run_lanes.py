@@ -1,7 +1,8 @@
 """Runs every lane of `make test`, and prints a summary line of each lane at the end.
 
-A lane is one runner (ctest, pytest, mypy, …). Lanes that use the network run two at a time if each
-can have a network of its own; all others run in turn. All lanes run even when one fails; the exit
+A lane is one runner (ctest, pytest, mypy, …). Lanes that use the network wait most of the time; if
+each can have a network of its own, one more of them than there are cores runs at a time. All others
+run in turn. All lanes run even when one fails; the exit
 status is 0 exactly when all of them passed. A lane that cannot run on this machine fails: nothing
 is skipped.
 """
@@ -82,7 +83,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
         Lane("mypy", (python, "-m", "mypy"), r"^(Success|Found )"),
         Lane(
             "ctest",
-            ("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", f"-j{jobs}"),
+            ("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", f"-j{2 * jobs}"),
             r"^\d+% tests passed",
         ),
         # Tests that compile, on all cores: no test there is timed or shares a resource.
@@ -169,11 +170,11 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
     return Verdict(lane, status == 0, closing or last, time.monotonic() - started)
 
 
-def run_together(lanes: Sequence[Lane]) -> list[Verdict]:
-    """Runs the lanes, two at a time. The output of the first one is shown as it comes, that of each
+def run_together(lanes: Sequence[Lane], at_a_time: int) -> list[Verdict]:
+    """Runs the lanes, so many at a time. The output of the first one is shown as it comes, that of each
     other one when it and all before it have ended."""
     held: list[list[str]] = [[] for _ in lanes]
-    with ThreadPoolExecutor(2) as pool:
+    with ThreadPoolExecutor(at_a_time) as pool:
         running = [
             pool.submit(run, lane, show=lines.append if number else shown)
             for number, (lane, lines) in enumerate(zip(lanes, held, strict=True))
@@ -193,8 +194,8 @@ def has_own_networks() -> bool:
 
 
 def in_steps(lanes: Sequence[Lane]) -> list[list[Lane]]:
-    """Groups lanes into steps. Lanes that share the network form one step and run two at a time, if
-    each can have a network of its own and need not run alone."""
+    """Groups lanes into steps. Lanes that share the network form one step, if each can have a
+    network of its own and need not run alone."""
     sharing = [lane for lane in lanes if lane.shares_network]
     if len(sharing) < 2 or not has_own_networks():
         return [[lane] for lane in lanes]
@@ -230,7 +231,8 @@ def main() -> int:
         parser.error(f"no lane {', '.join(sorted(unknown))}; there are {known}")
     os.environ["GECOS_BUILD"] = asked.build  # where pytest finds the programs
     wanted = [lane for lane in lanes if not asked.lanes or lane.name in asked.lanes]
-    verdicts = [verdict for step in in_steps(wanted) for verdict in run_together(step)]
+    steps = in_steps(wanted)
+    verdicts = [each for step in steps for each in run_together(step, asked.jobs + 1)]
     print("\n" + summary(verdicts), flush=True)
     return 0 if all(verdict.passed for verdict in verdicts) else 1
 

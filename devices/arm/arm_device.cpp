@@ -123,8 +123,9 @@ double ArmDevice::braking_time() const {
   for (const robcl::arm::JointLimits& joint : model_.limits()) {
     longest = std::max(longest, joint.speed / joint.acceleration);
   }
-  // With a limit of jerk, a stop takes two windows longer: one until an acceleration at the start
-  // of the stop has fallen to 0, and one until the set points have come to rest.
+  // The limit of jerk averages the acceleration over a time, the window. So a stop takes two
+  // windows longer: one until an acceleration at the start of the stop has fallen to 0, and one
+  // until the set points have come to rest.
   return longest + 2 * smoothing_.window;
 }
 

@@ -70,7 +70,7 @@ def test_two_lanes_of_a_step_run_at_a_time_and_all_are_shown_in_turn(
     first = lane(f"print('A'); open({str(tmp_path / 'pipe')!r}).read(); print('1 passed')")
     second = lane(f"print('B'); open({str(tmp_path / 'pipe')!r}, 'w').close(); print('2 passed')")
     third = lane("print('C'); print('3 passed')")
-    verdicts = run_together([first, second, third])
+    verdicts = run_together([first, second, third], 2)
     assert [v.closing_line for v in verdicts] == ["1 passed", "2 passed", "3 passed"]
     said = [line for line in capfd.readouterr().out.splitlines() if len(line) == 1]
     assert said == ["A", "B", "C"]

@@ -159,9 +159,9 @@ TEST(TwoUsers, EachHaveABrokerOfTheirOwnInADirectoryThatRootMadeForAll) {
   const ChildProcess first = broker_of(ada);
   ASSERT_TRUE(first.wait_ready());
   const std::string alone = heard_by(bob);
-  EXPECT_NE(alone.find("no server listens at this address (this directory is for the servers of "
-                       "uid 20002 alone; "
-                       "programs of other users are reached by GECOS_BROKER=lcm)"),
+  EXPECT_NE(alone.find("no server listens at this address (only servers of uid 20002 are in the "
+                       "directory of this address; use GECOS_BROKER=lcm to reach programs of other "
+                       "users)"),
             std::string::npos)
       << alone;
   const ChildProcess second = broker_of(bob);

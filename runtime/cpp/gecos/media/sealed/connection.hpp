@@ -155,7 +155,7 @@ class SealedServer final : public SealedConnection {
     bool opened = false;  // while false, the stream is announced again with every heartbeat
     std::uint32_t generation = 0;  // of the keys that were announced last
   };
-  /// A stream that the client has shared.
+  /// An inward stream, over which the client sends samples.
   struct Inward {
     InwardShare where;
     bool opened = false;

@@ -68,9 +68,9 @@ class Shm final : public Medium {
   std::string no_server(std::string_view address) const {
     const bool ours = address.starts_with(std::string(prefix) + options_.directory + "/");
     if (!ours) return "no server listens at this address";
-    return "no server listens at this address (this directory is for the servers of uid " +
-           std::to_string(::geteuid()) +
-           " alone; programs of other users are reached by GECOS_BROKER=lcm)";
+    return "no server listens at this address (only servers of uid " + std::to_string(::geteuid()) +
+           " are in the directory of this address; use GECOS_BROKER=lcm to reach programs of other "
+           "users)";
   }
 
   const ShmOptions options_;

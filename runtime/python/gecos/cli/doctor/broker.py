@@ -112,7 +112,8 @@ def _refused(why: str, place: str) -> Finding:
 
 
 def _admission(refusal: str) -> str:
-    """Returns what the user of the broker has to do to admit this user."""
+    """Returns what the user who runs the broker has to do, so that the broker admits the user who
+    runs this command."""
     if found := _NOT_NAMED.search(refusal):
         names = found["list"] or "the list in the program of the broker"
         return f"add {found['name']} to the {found['names']} of {names}"
