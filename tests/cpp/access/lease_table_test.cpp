@@ -148,7 +148,8 @@ TEST_F(LeaseTableTest, WhoBringsNoPasswordIsToldThatOneIsWanted) {
   EXPECT_EQ(refused.error().reason, LeaseRefusal::Reason::WrongPassword);
   EXPECT_TRUE(
       refused.error().text.starts_with("actor status refused: it is shared by password, and no "
-                                       "password was given; actor status is held by ada"))
+                                       "password was given, so ask the holder for it; actor "
+                                       "status is held by ada"))
       << refused.error().text;
 }
 

@@ -41,9 +41,9 @@ TEST_F(BlendChainTest, LeavesOutWhatComesAfterAFailureAndNothingBeforeIt) {
   EXPECT_EQ(refusal->because_of, 4u);
   EXPECT_EQ(refusal->failure.detail, Detail::Rejected);
   EXPECT_EQ(refusal->failure.text,
-            "'move' of RX90 was not carried out, because 'move', which the same caller had called "
-            "before it, did not succeed: FAULT, out of reach. Look at the outcome of a failed "
-            "command before you issue the next one");
+            "'move' of RX90 was not carried out, because the earlier command 'move' of the same "
+            "caller did not succeed: FAULT, out of reach. Look at the outcome of a failed command "
+            "before you issue the next one");
 }
 
 TEST_F(BlendChainTest, CarriesOutWhatItsProgramIssuedWhenItKnewTheFailure) {
