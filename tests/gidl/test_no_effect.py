@@ -25,6 +25,7 @@ interface Arm {
   @qos(depth=4, deadline="1s", start_by="1s") readonly attribute Image state;
   @actor @stream(dir="in", watchdog="8ms") @qos(deadline="1s", lifespan="1s", liveliness=MANUAL)
   attribute double speed;
+  @event @qos(start_by="1s") oneway void touched();
 };
 """
 
@@ -52,8 +53,8 @@ def test_each_term_without_effect_is_named_where_it_is_written(
         (8, "@qos(liveliness)"),
         (8, "@qos(lifespan)"),
         (8, "@qos(depth)"),
-        (11, "@qos(start_by)"),
         (12, "@qos(deadline)"),
+        (14, "@qos(start_by)"),
     }
 
 
@@ -87,6 +88,17 @@ def test_each_finding_says_why_and_what_to_write_instead(here: Path) -> None:
     }
     assert told == SAID
     assert set(told) == {str(term) for term in no_effect.NO_EFFECT}, "each term has an example"
+
+
+def test_a_term_of_an_interface_may_act_in_a_derived_one(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "b.gidl").write_text(
+        '@qos(latency="5ms") interface Base {};\n'
+        "@qos(class=SOFT_REALTIME) interface Arm : Base { @sensor long angle(); };\n"
+    )
+    assert main(["check", "b.gidl"]) == 0
+    assert not terms(capsys.readouterr().err)
 
 
 def test_the_latency_of_an_interface_binds_its_members_of_real_time(

@@ -93,8 +93,8 @@ def test_over_lcm_those_that_are_reliable_are_refused_and_every_call_works(
             opened(tank)
         assert str(refused.value).startswith("QOS_UNAVAILABLE: "), name
         assert str(refused.value).endswith(
-            f"'{name}' of TANK was not opened over lcm: reliability=RELIABLE: the medium lcm may lose "
-            "samples, and nothing retransmits them; create the proxy over another medium"
+            f"'{name}' of TANK was not opened over lcm: reliability=RELIABLE: the medium lcm may "
+            "lose samples, and nothing retransmits them; create the proxy over another medium"
         )
     assert [tank.capacity().result(), tank.content().result()] == [3.0, 2.0]
     assert [tank.level().result(), tank.height().result()] == [0.5, 1.0]

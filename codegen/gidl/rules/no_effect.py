@@ -34,6 +34,11 @@ def _is_stream(declared: Declared) -> bool:
     return isinstance(declared, Attribute) and declared.stream is not None
 
 
+def _has_no_calls(declared: Declared) -> bool:
+    """An event and an inward stream have no calls. An outward stream has its getter."""
+    return _is_stream(declared) and not (isinstance(declared, Attribute) and declared.streams_out)
+
+
 def _is_inward(declared: Declared) -> bool:
     return isinstance(declared, Attribute) and declared.streams_in
 
@@ -111,7 +116,7 @@ NO_EFFECT = (
     Term(
         "qos",
         "start_by",
-        _is_stream,
+        _has_no_calls,
         "only a call waits to be started",
         "write 'lifespan' to limit the age of a sample",
     ),
@@ -136,10 +141,13 @@ def check(model: Model, findings: Findings) -> None:
     """Warns about the terms of annotations, such as `depth` of `@qos`, that have no effect. Looks
     at the files named on the command line, not at those that they include."""
     in_place = _in_place(model)
+    bases = {base for interface in model.interfaces() for base in interface.bases}
     for file in model.files:
         if file.asked_for:
             for declared, name, facts in _annotated(file):
-                if id(facts) not in in_place:
+                # A derived interface may have a class with which an inherited term acts.
+                is_base = isinstance(declared, Interface) and declared.name in bases
+                if id(facts) not in in_place and not is_base:
                     _one(declared, name, facts, findings)
 
 

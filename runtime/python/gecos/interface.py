@@ -10,8 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from enum import IntEnum, IntFlag
+from functools import cached_property
 from types import MappingProxyType
-from typing import Any, Generic, NoReturn, TypeVar
+from typing import Any, Generic, TypeVar
 
 from gecos.errors import DeclaredError
 from gecos.record import Record, replace
@@ -199,14 +200,10 @@ def no_result(value: None) -> Parts:
     return []
 
 
-def _undecoded(_reply: bytes) -> NoReturn:
-    raise NotImplementedError
-
-
 _NO_VALUES = Arguments("", (), (), ())
 
 
-class Method(Record, Generic[T, F], derived=("decode_reply",)):
+class Method(Record, Generic[T, F]):
     """How a proxy calls an operation: the decoders of its reply, feedback and exceptions. A
     `Method` that the function `method` builds also has the codec of the arguments and the encoder
     of the reply."""
@@ -224,10 +221,11 @@ class Method(Record, Generic[T, F], derived=("decode_reply",)):
     gives: Carried | None = None  # layout of the result; None: not known, or no result
     named: str = "result"  # name of the result in JSON
     in_place: OctetsInPlace | None = None  # None: samples are not written in place
-    decode_reply: Callable[[bytes], T] = _undecoded  # as `result`, from the bytes of a reply
 
-    def __post_init__(self) -> None:
-        self.__dict__["decode_reply"] = from_start(self.result)
+    @cached_property
+    def decode_reply(self) -> Callable[[bytes], T]:
+        """Decodes a result, as `result` does, from the bytes of a reply."""
+        return from_start(self.result)
 
     def plain_result(self, value: T) -> dict[str, Any]:
         """Converts a result to types that the module `json` can dump: {"result": 0.25}, or all

@@ -10,7 +10,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration heartbeat_period = 100ms;
 constexpr TimePoint start{100s};
 
 /// A client that sends heartbeats, each up to `late` later than it should.
@@ -63,7 +62,7 @@ Seen simulate(std::size_t clients, Duration late, unsigned seed) {
         seen.oldest = std::max(seen.oldest, now - client.sent);
       }
       client.found = client.heartbeats;
-      next_look = std::min(next_look, client.looks.look(client.heartbeats, now, heartbeat_period));
+      next_look = std::min(next_look, client.looks.look(client.heartbeats, now));
     }
     now = std::max(own.next_tick(next_look), now + Maintenance::tick) +
           late * std::uniform_int_distribution(0, 100)(random) / 100;
@@ -103,10 +102,10 @@ TEST(HeartbeatLooksTest, EachHeartbeatIsFoundSoonHoweverManyClientsThereAre) {
 
 TEST(HeartbeatLooksTest, AClientThatFallsSilentIsLookedAtOften) {
   HeartbeatLooks looks;
-  looks.look(1, start, heartbeat_period);
+  looks.look(1, start);
   TimePoint now = start + 100ms;
   for (int i = 0; i < 20; ++i) {
-    const TimePoint next = looks.look(1, now, heartbeat_period);
+    const TimePoint next = looks.look(1, now);
     EXPECT_EQ(next, now + tick_window);
     now = next;
   }

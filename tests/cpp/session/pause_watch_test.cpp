@@ -35,6 +35,24 @@ TEST(PauseWatch, EveryThreadSuspectsAPauseBeforeMaintenanceHasSeenIt) {
   EXPECT_TRUE(watch.suspected(begin + gap + milliseconds(1)));
 }
 
+TEST(PauseWatch, ARestOfAServerHidesNoPause) {
+  for (const auto& [rest, noticed] : {std::pair{10, 510}, {25, 525}, {60, 525}, {100, 525}}) {
+    PauseWatch watch;
+    ASSERT_TRUE(watch.due(begin + milliseconds(rest), begin));
+    EXPECT_FALSE(watch.suspected(begin + milliseconds(noticed))) << rest;
+    const TimePoint end = begin + milliseconds(noticed + 1);
+    EXPECT_TRUE(watch.suspected(end)) << rest;
+    EXPECT_EQ(watch.tick(end), milliseconds(noticed + 1 - rest)) << "without the rest " << rest;
+  }
+}
+
+TEST(PauseWatch, ALongRestIsExpectedButForItsLastPart) {
+  PauseWatch watch;
+  ASSERT_TRUE(watch.due(begin + seconds(2), begin));
+  EXPECT_FALSE(watch.suspected(begin + milliseconds(2425)));
+  EXPECT_TRUE(watch.suspected(begin + milliseconds(2426)));
+}
+
 TEST(PauseWatch, APauseDuringATickIsSeenByTheNextOne) {
   PauseWatch watch;
   ASSERT_FALSE(watch.tick(begin));

@@ -33,6 +33,15 @@ TEST(PollerSleepTest, AnAwakeThreadCannotBeCountedOn) {
   EXPECT_FALSE(rings(sleep, several_ticks)) << "nobody counted on its sleep";
 }
 
+TEST(PollerSleepTest, AThreadThatHasJustWokenIsNotCountedOn) {
+  PollerSleep sleep;
+  sleep.begin();
+  sleep.end();
+  sleep.begin();
+  EXPECT_FALSE(sleep.count_on());
+  EXPECT_TRUE(sleep.count_on()) << "it has slept since";
+}
+
 TEST(PollerSleepTest, ASecondSleepDoesNotPutTheTickOff) {
   PollerSleep sleep;
   sleep.begin();

@@ -29,6 +29,7 @@ struct LineCapabilities {
 struct Violation {
   std::string term;  ///< as in the interface, for example `class=HARD_REALTIME`
   std::string why;  ///< for example "the medium lcm may lose packets, and nothing retransmits them"
+  bool operator==(const Violation&) const = default;
 };
 
 /// Returns the terms of `asked` that `line` does not meet for `traffic`; empty when it meets all of

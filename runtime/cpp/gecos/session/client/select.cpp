@@ -108,7 +108,7 @@ std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interfa
     if (violated.empty()) return;
     // A stream has the code of its getter, and most terms of its quality.
     const auto getter = std::ranges::find(found, member.code, &UnsuitedMember::code);
-    if (getter != found.end() && getter->violations.size() == violated.size()) return;
+    if (getter != found.end() && getter->violations == violated) return;
     const bool samples_only =
         traffic == qos::Traffic::Samples && interface.find(member.code) != nullptr;
     found.push_back({member.code, std::string(member.name), std::move(violated), samples_only});

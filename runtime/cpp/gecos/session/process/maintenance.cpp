@@ -15,17 +15,6 @@
 #include "gecos/base/thread.hpp"
 
 namespace gecos::session {
-namespace {
-
-/// Returns when a tick that is due after `rest` is expected, so that a rest of up to 100 ms hides
-/// no part of a pause.
-Duration expected_within(Duration rest) {
-  constexpr Duration longest_hidden = std::chrono::milliseconds(100) - Maintenance::calm_tick;
-  return std::max(rest - longest_hidden, std::min(rest, Maintenance::calm_tick));
-}
-
-}  // namespace
-
 /// The state shared with the maintenance thread. It outlives the Maintenance object when that
 /// object is destroyed on the maintenance thread.
 struct Maintenance::Shared {
@@ -120,7 +109,7 @@ void Maintenance::Shared::run() {
     const auto rest =
         std::chrono::ceil<std::chrono::milliseconds>(std::max(next - clock.now(), tick));
     const TimePoint looked = clock.since_boot();
-    if (!pauses.due(idle ? TimePoint::max() : looked + expected_within(rest), looked)) continue;
+    if (!pauses.due(idle ? TimePoint::max() : looked + rest, looked)) continue;
 
     descriptors.assign(1, {event.descriptor(), POLLIN, 0});
     for (const auto& one : alive) one->watch(descriptors);

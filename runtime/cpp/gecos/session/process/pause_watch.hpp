@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <optional>
 #include <string>
@@ -17,7 +18,9 @@ std::string stood_still_for(Duration pause);
 /// machine was suspended, or because the process got no core.
 ///
 /// At each tick the maintenance thread records when the next tick is due. When that tick is, or
-/// would be, late by more than `longest_gap`, there was a pause. After a pause no call may start
+/// would be, late by more than `longest_gap`, there was a pause. A rest between two ticks must not
+/// hide a pause: of a rest of 25 to 100 ms, only the first 25 ms count as expected, so a pause during
+/// such a rest is noticed if it takes more than 425 to 525 ms. After a pause no call may start
 /// until the maintenance thread has judged the pause: packets that wait to be read may be as old as
 /// the pause, and peers may have died during the pause. All times are times of CLOCK_BOOTTIME.
 class PauseWatch {
@@ -30,16 +33,18 @@ class PauseWatch {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     if (due == TimePoint::max() || now - due <= longest_gap) {
       due_.store(now, std::memory_order_relaxed);  // detects a pause during this tick, too
+      next_ = now;
       return std::nullopt;
     }
     judging_.store(true, std::memory_order_relaxed);
-    return now - due;
+    return now - std::min(next_, now);
   }
   /// Called by the maintenance thread after it has applied the pause to all sessions and commands.
   void judged(TimePoint next_due) {
     {
       const MutexLock lock(mutex_);
       due_.store(next_due, std::memory_order_release);
+      next_ = next_due;
       judging_.store(false, std::memory_order_release);
     }
     judged_.notify_all();
@@ -49,7 +54,8 @@ class PauseWatch {
   /// once.
   [[nodiscard]] bool due(TimePoint next, TimePoint now) {
     if (suspected(now)) return false;
-    due_.store(next, std::memory_order_relaxed);
+    due_.store(counted(next, now), std::memory_order_relaxed);
+    next_ = next;
     return true;
   }
 
@@ -86,6 +92,14 @@ class PauseWatch {
   }
 
  private:
+  static TimePoint counted(TimePoint next, TimePoint now) {
+    constexpr Duration calm = std::chrono::milliseconds(25);
+    constexpr Duration most_hidden = std::chrono::milliseconds(75);
+    if (next == TimePoint::max()) return next;
+    return next - std::clamp(next - now - calm, Duration::zero(), most_hidden);
+  }
+
+  TimePoint next_{};  ///< when the next tick is due; used by the maintenance thread only
   std::atomic<TimePoint> due_{TimePoint::max()};  // orders no other memory
   std::atomic<bool> judging_{false};  // storing false publishes the work of the maintenance thread
   Mutex mutex_;

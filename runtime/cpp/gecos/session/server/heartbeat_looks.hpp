@@ -11,25 +11,29 @@ namespace gecos::session {
 /// The time that a server saves or loses so that two pieces of its periodic work share a tick.
 inline constexpr Duration tick_window = Maintenance::calm_tick;
 
+/// The time between two heartbeats of a client (docs/protocol.md), and the longest rest of a server.
+inline constexpr Duration heartbeat_period = std::chrono::milliseconds(100);
+
 /// Says when a server looks for the next heartbeat of a client. A heartbeat in shared memory wakes
 /// nobody, so the server must look for it, and each look wakes a thread.
 ///
 /// After a look in vain, the server looks again after `tick_window`. A heartbeat that such a look
 /// finds is at most `tick_window` old, so the next look is due one period of heartbeats later. A
 /// heartbeat that was found at the first look may be older, so the next look is due `tick_window`
-/// earlier. A client that sends heartbeats regularly costs three looks in two periods. Reads no
-/// clock. Not thread-safe.
+/// earlier. A client that sends heartbeats regularly costs three looks in two periods, and each
+/// heartbeat is found within `tick_window`. Clients send a heartbeat up to 25 ms early; such a
+/// heartbeat is found within twice that time. Reads no clock. Not thread-safe.
 class HeartbeatLooks {
  public:
   /// Notes a look at the time `now`, which found that the client has sent `heartbeats` heartbeats.
-  /// `period`: time between two heartbeats. Returns when the next look is due.
-  TimePoint look(std::uint64_t heartbeats, TimePoint now, Duration period) {
+  /// Returns when the next look is due.
+  TimePoint look(std::uint64_t heartbeats, TimePoint now) {
     const bool came = heartbeats != heartbeats_;
     if (!came && now + tick_window < due_) return due_;  // the tick was for something else
-    const Duration rest = came ? (in_vain_ ? period : period - tick_window) : tick_window;
+    const Duration after_heartbeat = in_vain_ ? heartbeat_period : heartbeat_period - tick_window;
     heartbeats_ = heartbeats;
     in_vain_ = !came;
-    return due_ = now + std::max(rest, tick_window);
+    return due_ = now + (came ? after_heartbeat : tick_window);
   }
 
  private:

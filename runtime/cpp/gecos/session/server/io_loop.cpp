@@ -290,13 +290,15 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   const bool revoked = end_revoked(now);
   // When a session is excluded from streams, these streams move to new memory. The next heartbeat
   // tells the remaining readers where the new memory is, so the heartbeat is sent at once.
-  const bool beat = heartbeats_.due(now, runtime_->options().heartbeat) || revoked;
+  const Duration period = std::min(runtime_->options().heartbeat, heartbeat_period);
+  const bool beat = heartbeats_.due(now, period) || revoked;
   bool suspects = false;
   const bool at_rest = handler % 2 == 0 && sleep_.count_on();
   TimePoint next_look = at_rest ? TimePoint::max() : now + Maintenance::calm_tick;
   for (const auto& session : sessions_.all()) {
     const bool sent = session->sender().flush();
-    if (at_rest) next_look = std::min(next_look, next_look_at(*session, sent, now));
+    const TimePoint look = next_look_at(*session, sent, now);  // a busy server notes heartbeats, too
+    if (at_rest) next_look = std::min(next_look, look);
     if (beat) session->connection().beat();
     if (session->object()->check_liveness(session)) {
       session->gone = true;
@@ -314,7 +316,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
 /// to be sent to its client.
 TimePoint IoLoop::next_look_at(ServerSession& session, bool sent, TimePoint now) const {
   if (session.repeats() || !sent) return now + Maintenance::calm_tick;
-  return session.looks.look(session.connection().beats_seen(), now, runtime_->options().heartbeat);
+  return session.looks.look(session.connection().beats_seen(), now);
 }
 
 bool IoLoop::end_revoked(TimePoint now) {

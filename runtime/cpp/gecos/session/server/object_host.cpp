@@ -50,7 +50,7 @@ void ObjectHost::await_sign_of_life(ServerSession& session) {
 bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
   const MutexLock lock(state_.mutex);
   if (session->sender().overrun()) return true;
-  const TimePoint now = state_.statuses.now();
+  const TimePoint now = state_.statuses.advance(state_.setup.clock().now());
   const auto verdict = session->heartbeats.liveness.check(session->connection().beats_seen(), now);
   // The connection may contain an unread Goodbye that the client sent before the heartbeat and that
   // withdraws calls. That Goodbye must be read first.
@@ -126,7 +126,7 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
   if (ready()) run_ready(Starter::Other);
   const MutexLock lock(state_.mutex);
   if (!state_.calls.idle()) return now + Maintenance::tick;
-  const bool waits = !state_.statuses.line().empty() || state_.presence.required();
+  const bool waits = state_.statuses.somebody_waits() || state_.presence.required();
   return waits ? now + Maintenance::calm_tick : TimePoint::max();
 }
 

@@ -38,6 +38,7 @@ class OpenQuestions {
   /// question.
   void add(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
            std::uint64_t after, double patience);
+  bool empty() const { return questions_.empty(); }
   bool waits(SessionId session, std::uint64_t counter) const;
   /// Removes a question and replies with `failure`. Returns false when no such question waits.
   bool end(SessionId session, std::uint64_t counter, const Failure& failure);

@@ -23,13 +23,16 @@ class PollerSleep {
   void begin() { asleep_.store(true); }
   void end() {
     asleep_.store(false);
+    woke_.store(true);
     if (counted_on_.exchange(false)) timer_.set(Maintenance::tick);
   }
 
   // The maintenance thread calls the functions below.
-  /// Returns whether the polling thread sleeps. If so, `descriptor` becomes readable one tick after
-  /// it has woken.
+  /// Returns whether the polling thread sleeps and has slept since the last call of this function.
+  /// If so, `descriptor` becomes readable one tick after it has woken. A thread that is woken often
+  /// is not counted on, because each timer costs a tick.
   bool count_on() {
+    if (woke_.exchange(false)) return false;
     counted_on_.store(true);
     if (asleep_.load()) return true;
     counted_on_.store(false);
@@ -43,6 +46,7 @@ class PollerSleep {
   // sees what the other has stored. That needs the default memory order.
   std::atomic<bool> asleep_{false};
   std::atomic<bool> counted_on_{false};
+  std::atomic<bool> woke_{false};  // since the last call of count_on()
   TimerFd timer_;
 };
 

@@ -36,6 +36,7 @@ class RosterWatch {
   void ask(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
            const GecosObject_roster_arguments& asked);
   OpenQuestions& questions() { return questions_; }
+  bool somebody_waits() const { return !questions_.empty(); }
   /// Replies to the questions that have waited for too long.
   void on_tick() { answer(); }
   /// Replies to all questions, because the server is about to end.

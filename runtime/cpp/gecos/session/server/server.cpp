@@ -69,7 +69,7 @@ void judge_open_streams(ObjectHost& object, const access::LabAccess& lab) {
   if (!object.streams().allow_in_clear(forbidden_by.empty())) return;
   if (forbidden_by.empty()) {
     log_warning("session", "the lab file allows open streams again: " + object.name() +
-                               " sends their samples in clear over lcm");
+                               " may send their samples in clear over lcm");
   } else {
     log_warning("session", forbidden_by + " forbids open streams: " + object.name() +
                                " sends no sample in clear; clients read its streams as before");
@@ -197,9 +197,9 @@ void Server::Core::follow_lab_file(TimePoint now) {
   const auto lists = access_->lists();
   if (lists == followed_) return;
   try {
+    for (const auto& object : objects_) judge_open_streams(*object, *lists);
     registrar_.renew_lists();
     for (const auto& object : objects_) {
-      judge_open_streams(*object, *lists);
       const std::string zone = access_->zone_of(object->name());
       if (zone.empty() || zone == object->presence().zone()) continue;
       log_warning("session", "the lab file places " + object->name() + " in zone " + zone);

@@ -45,6 +45,10 @@ class StatusGrants {
   /// Returns the current time by the clock of the leases. This clock does not advance while this
   /// process is suspended.
   TimePoint now() const { return clock_.now(); }
+  /// Advances the clock of the leases to `now`, a time of the system's clock, and returns its time.
+  TimePoint advance(TimePoint now) { return clock_.advance(now); }
+  /// Returns whether a request for the status, or a question about requests or holders, waits.
+  bool somebody_waits() const { return line_.somebody_waits() || roster_.somebody_waits(); }
   /// Returns the state of this object that decides whether a call is admitted now.
   AdmittingObject admitting() const { return {setup_.name, leases_, clock_.now()}; }
   /// Returns the part that tells clients who holds the status and how the holders change.

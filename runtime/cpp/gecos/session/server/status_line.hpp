@@ -47,6 +47,8 @@ class StatusLine {
   static constexpr std::size_t longest = 64;
 
   bool empty() const { return requests_.empty(); }
+  /// Returns whether a request or a question about requests waits.
+  bool somebody_waits() const { return !requests_.empty() || !questions_.empty(); }
   std::size_t size() const { return requests_.size(); }
   /// Returns whether the proof of a request is still being derived from its password.
   bool proving() const;

@@ -93,8 +93,8 @@ class StreamPort {
   /// Sends while the mutex is held, as the writers of the media do, so that the samples of several
   /// publishing threads leave in the order of their numbers. Has channels for an @open_stream only.
   ClearSender clear_ GECOS_GUARDED_BY(mutex_);
-  Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< the latest sample, with the measurement time
-                                           ///< appended
+  /// The latest sample, with the measurement time appended.
+  Bytes latest_ GECOS_GUARDED_BY(mutex_);
   /// The writer whose memory has the latest sample, which was written in place; null if `latest_`
   /// has it.
   media::StreamWriter* latest_in_ GECOS_GUARDED_BY(mutex_) = nullptr;
