@@ -86,8 +86,8 @@ class ArmController {
 
   /// Hands a motion to the control loop. @pre `wait` returned the outcome of the last motion, and
   /// `generator` starts at the joint positions `standing_at()`. Until `wait` returns the outcome of
-  /// this motion, other threads may call only the functions of the generator that any thread may
-  /// call. Returns the number of the motion.
+  /// this motion, other threads may call only those functions of `generator` whose comments say
+  /// that any thread may call them. Returns the number of the motion.
   std::uint64_t start(std::shared_ptr<robcl::motion::TrajectoryGenerator> generator);
   /// Makes the control loop clear a fault of the drives, enable them, and wait until they are on
   /// and their brakes are released. `wait` returns the outcome: Arrived, or a Fault if the drives

@@ -36,7 +36,8 @@ struct Move {
 };
 
 /// Lowers the cap of an interval on a line, so that the tool keeps the limits `speed`, in m/s and
-/// rad/s, although it moves and turns faster than its line, by up to `faster`, in m and rad per s.
+/// rad/s. Beside its line, where the arm deviates from it, the tool moves and turns faster than on
+/// the line. `faster`: the greatest difference, in m and rad per unit of the path parameter s.
 void lower_cap(IntervalLimits& limits, const WayAndTurn& speed, const WayAndTurn& faster);
 
 /// Returns the speed of the tool on the line of `move`, in m and rad per unit of s; zeros for a

@@ -73,7 +73,7 @@ def test(
     from gecos.cli import policy_asked
 
     if serve and operation is not None:
-        raise UsageFailure("--serve is about the name OBJECT; leave out OPERATION")
+        raise UsageFailure("with --serve, only the name OBJECT is tested; leave out OPERATION")
     path = file or named_file()
     text = "" if path is None else text_of(path)
     who, here = (user, host), socket.gethostname()

@@ -33,8 +33,8 @@ class SeenFailures {
   void knows(const Place& place, Known known) {
     const MutexLock lock(mutex_);
     if (!place.sent) {
-      // The program detaches a command that was left out. This does not mean that it has seen the
-      // earlier failure because of which the command was left out.
+      // A command is left out if an earlier command failed. A program that detaches the omitted
+      // command has not necessarily seen that earlier failure.
       if (known == Known::Detached && place.number != unsent_.number) return;
       return raise(seen_unsent_, place.number);
     }

@@ -90,8 +90,8 @@ void PacketSender::reply(const wire::PacketHeader& header, const Failure& failur
   if (backlog_bytes_ + takes > most_backlog_bytes) {
     write_failure(packet_, header,
                   {failure.detail,
-                   "the failure of " + std::to_string(takes) +
-                       " bytes was dropped: " + std::to_string(backlog_bytes_) +
+                   "the text of the failure, " + std::to_string(takes) +
+                       " bytes, was dropped: " + std::to_string(backlog_bytes_) +
                        " bytes of replies already wait for this client to read them",
                    {},
                    {}});
