@@ -232,7 +232,10 @@ def test_policy_says_who_may_serve_an_object(file: Path, run: Run) -> None:
     assert f"denied: a server of user anna of host cell may not register RX90: {bound}" in out
     assert run("policy", "test", "anna", "cell", "LDS", "--serve")[0] == 0
     code, _, err = run("policy", "test", "anna", "cell", "LDS", "move", "--serve")
-    assert (code, err) == (2, "gecos: with --serve, only the name OBJECT is tested; leave out OPERATION\n")
+    assert (code, err) == (
+        2,
+        "gecos: with --serve, only the name OBJECT is tested; leave out OPERATION\n",
+    )
 
 
 def test_policy_of_a_name_asks_nobody(
