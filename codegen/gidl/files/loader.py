@@ -114,8 +114,8 @@ class Loader:
     def _include_path(self, place: Path, beside: tuple[str, str] | None = None) -> str:
         """Returns the path by which other files include the file `place`. The path is relative to
         the search folder that contains the file. If no search folder contains the file, the path is
-        relative to the folder of the including file. `beside` has the path of the including file,
-        and the path that its `#include` names."""
+        relative to the folder of the including file. `beside` is a pair: the path of the including
+        file, and the path that the `#include` in this file names."""
         whole = absolute(place)
         # The search folders of -I are tried last. One of them may contain an installed package, but
         # the path of a file in a package must be relative to the folder of the package.

@@ -2,9 +2,9 @@
 same way as streams.
 
 For example, the event `touched(in Pose where)` of the interface `Arm` becomes the stream `touched`,
-whose samples are structs of the type `Arm::touched`. A call cannot read this stream. The struct is
-appendable, so parameters with defaults may be added at the end. In C++ and Python, the struct is
-called `Arm_touched`.
+whose samples are structs of the type `Arm::touched`. An event has no getter, so a
+program can only subscribe to this stream. The struct is appendable, so parameters with defaults may
+be added at the end. In C++ and Python, the struct is called `Arm_touched`.
 """
 
 from __future__ import annotations

@@ -105,7 +105,8 @@ TEST_F(LcmUsers, WhoMeetsNobodyIsToldHowFarItsPacketsGo) {
     const auto medium = make_lcm(options);
     return (*medium->connect(medium->well_known_address("NOBODY")))->loss_text();
   };
-  EXPECT_NE(said(0).find("GECOS_LCM_TTL is 0, so our packets stay on this host"), std::string::npos)
+  EXPECT_NE(said(0).find("GECOS_LCM_TTL is 0, so packets of this program stay on this host"),
+            std::string::npos)
       << said(0);
   EXPECT_NE(said(1).find("only if its own GECOS_LCM_TTL is 1 or more"), std::string::npos)
       << said(1);

@@ -94,9 +94,9 @@ def answer(lab: gecos.Lab, name: str) -> Answer:
 
 
 def member(lab: gecos.Lab, name: str, called: str, answer: Answer | None) -> Member:
-    """Returns the operation or attribute of an object that is called `called`. Does not connect
-    again if the object has given its `answer`. Raises UsageFailure if there is no such member, and
-    the errors of `find`."""
+    """Returns the operation or attribute `called` of the object `name`. `answer`: what the object
+    has answered already; None: connects to the object and asks it. Raises UsageFailure if there is
+    no such member, and the errors of `find`."""
     import gecos
     from gecos.dynamic_client import read_model
     from gecos.dynamic_client.connect import find, served_models, without_model

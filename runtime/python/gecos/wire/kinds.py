@@ -162,8 +162,8 @@ class Limits:
             self.sent = (_outer(min, low), _outer(max, high))
 
     def effective(self, code: str) -> tuple[Any, Any]:
-        """Returns the limits, with None in place of each limit that no number of `code` can
-        exceed."""
+        """Returns the lower and the upper limit. A limit that no number of the type `code` can
+        exceed is None."""
         low, high = self.sent
         if code not in "fd":
             least, most = limits_of(code)

@@ -70,7 +70,7 @@ class LcmNetwork final : public DatagramNetwork, public std::enable_shared_from_
 
   std::string advice() const override {
     return options_.ttl == 0
-               ? "; GECOS_LCM_TTL is 0, so our packets stay on this host: to reach "
+               ? "; GECOS_LCM_TTL is 0, so packets of this program stay on this host: to reach "
                  "another host, each program needs a GECOS_LCM_TTL of 1 or more"
                : "; a server on another host is reached only if its own GECOS_LCM_TTL "
                  "is 1 or more";

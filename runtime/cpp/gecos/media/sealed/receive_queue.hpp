@@ -105,7 +105,7 @@ class ReceiveQueue final : public Sleeper {
   std::deque<Packet> packets_ GECOS_GUARDED_BY(mutex_);
   /// True when the reader may still be handling the packet that it took last.
   bool in_hand_ GECOS_GUARDED_BY(mutex_) = false;
-  /// Memory of a packet that was read. It is used again for the next frame.
+  /// The memory of a packet that was read, kept for the next packet.
   Bytes spare_ GECOS_GUARDED_BY(mutex_);
   std::size_t bytes_ GECOS_GUARDED_BY(mutex_) = 0;
   std::string refusal_ GECOS_GUARDED_BY(mutex_);

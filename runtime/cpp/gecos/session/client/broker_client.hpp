@@ -17,8 +17,8 @@ inline constexpr std::string_view broker_name = "BROKER";
 /// broker knows LASER, RX90".
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name, TimePoint deadline);
 
-/// Returns the object `name` if its server is silent; nullopt when the broker has no such object,
-/// or does not answer.
+/// Returns the object `name` if its server is silent. Returns nullopt when its server is online,
+/// when the broker does not know the object, and when the broker does not answer.
 std::optional<SilentObject> look_up_silent(Context& lab, const std::string& name,
                                            TimePoint deadline);
 
