@@ -19,10 +19,11 @@ std::string stood_still_for(Duration pause);
 ///
 /// At each tick the maintenance thread records when the next tick is due. When that tick is, or
 /// would be, late by more than `longest_gap`, there was a pause. A rest between two ticks must not
-/// hide a pause: of a rest of 25 to 100 ms, only the first 25 ms count as expected, so a pause during
-/// such a rest is noticed if it takes more than 425 to 525 ms. After a pause no call may start
-/// until the maintenance thread has judged the pause: packets that wait to be read may be as old as
-/// the pause, and peers may have died during the pause. All times are times of CLOCK_BOOTTIME.
+/// hide a pause: of a rest of 25 to 125 ms, only the first 25 ms count as expected, so a pause
+/// during such a rest is noticed if it takes more than 525 ms, and from 400 ms on at the end of a
+/// rest. After a pause no call may start until the maintenance thread has judged the pause: packets
+/// that wait to be read may be as old as the pause, and peers may have died during the pause. All
+/// times are times of CLOCK_BOOTTIME.
 class PauseWatch {
  public:
   static constexpr Duration longest_gap = std::chrono::milliseconds(500);
@@ -94,7 +95,7 @@ class PauseWatch {
  private:
   static TimePoint counted(TimePoint next, TimePoint now) {
     constexpr Duration calm = std::chrono::milliseconds(25);
-    constexpr Duration most_hidden = std::chrono::milliseconds(75);
+    constexpr Duration most_hidden = std::chrono::milliseconds(100);
     if (next == TimePoint::max()) return next;
     return next - std::clamp(next - now - calm, Duration::zero(), most_hidden);
   }
