@@ -11,7 +11,8 @@ namespace gecos::session {
 /// The time that a server saves or loses so that two pieces of its periodic work share a tick.
 inline constexpr Duration tick_window = Maintenance::calm_tick;
 
-/// The time between two heartbeats of a client (docs/protocol.md), and the longest rest of a server.
+/// The time between two heartbeats of a client (docs/protocol.md), and the longest rest of a
+/// server.
 inline constexpr Duration heartbeat_period = std::chrono::milliseconds(100);
 
 /// Says when a server looks for the next heartbeat of a client. A heartbeat in shared memory wakes
