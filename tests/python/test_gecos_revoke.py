@@ -127,7 +127,7 @@ def test_a_damaged_list_of_revocations_is_an_error_with_its_line(
     run("keys", "add", received(tmp_path, KEY), "anna@desk")
     (folder / "revoked").write_text("anna@desk\n")
     with gecos.Lab() as lab, gecos.Broker(lab):
-        with pytest.raises(gecos.CommandFailed, match="line 1 is not a key"):
+        with pytest.raises(gecos.CommandFailed, match="line 1 must be a key"):
             lab.broker(Broker).revocations(0).result()
         code, _, err = run("revoke", "anna@desk")
     assert code == 2

@@ -416,7 +416,7 @@ def test_a_name_that_the_lab_file_binds_goes_to_its_owner_alone(two: TwoHosts) -
     told = refused_at(two, DESK)
     rule = f"[names] in {two.lab_file}:5 binds this name to user ann of host cell"
     assert f"a server of user ben of host desk may not register RAIL: {rule}" in told
-    assert 'serve the object as this user, or write RAIL = "ben@desk" there' in told
+    assert 'serve the object as this user, or write RAIL = "ben@desk" in that table' in told
     why = explained(two, told)
     assert "RAIL: ben on desk: may not register the object" in why and rule in why
     tested = two.gecos(CELL, "policy", "test", "ben", "desk", "RAIL", "--serve")
