@@ -100,6 +100,28 @@ TEST(HeartbeatLooksTest, EachHeartbeatIsFoundSoonHoweverManyClientsThereAre) {
   }
 }
 
+/// A client may send each heartbeat up to `tick_window` early.
+TEST(HeartbeatLooksTest, EarlyHeartbeatsAreFoundWithinTwoWindows) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    std::mt19937 random(seed);
+    HeartbeatLooks looks;
+    TimePoint sent = start, next_sent = start;
+    std::uint64_t heartbeats = 0, found = 0;
+    for (TimePoint now = start; now < start + 20s; now = looks.look(heartbeats, now)) {
+      while (next_sent <= now) {
+        sent = next_sent;
+        ++heartbeats;
+        next_sent +=
+            heartbeat_period - tick_window * std::uniform_int_distribution(0, 100)(random) / 100;
+      }
+      if (heartbeats != found && now > start + 2s) {
+        EXPECT_LE(now - sent, 2 * tick_window) << "seed " << seed;
+      }
+      found = heartbeats;
+    }
+  }
+}
+
 TEST(HeartbeatLooksTest, AClientThatFallsSilentIsLookedAtOften) {
   HeartbeatLooks looks;
   looks.look(1, start);

@@ -13,6 +13,15 @@ class SlowHandler : public probe::Bench {
  protected:
   void TearDown() override { server_.reset(); }  // before the servant that only this test has
 
+  /// Returns a handler that tells `inside` that it has begun, and waits for `leave`.
+  static auto held_up_by(std::latch& inside, std::latch& leave) {
+    return [&inside, &leave](gecos::IncomingCall call) {
+      inside.count_down();
+      leave.wait();
+      call.fail(gecos::Fault::rejected("slowly").failure());
+    };
+  }
+
   probe::ProbeServant slow_;
 };
 
@@ -24,11 +33,7 @@ TEST_F(SlowHandler, DelaysNobodyAtAnotherObjectHoweverOftenItHappens) {
   for (int round = 0; round < 3; ++round) {
     std::latch inside(1);
     std::latch leave(1);
-    slow_.on_read([&](gecos::IncomingCall call) {
-      inside.count_down();
-      leave.wait();
-      call.fail(gecos::Fault::rejected("slowly").failure());
-    });
+    slow_.on_read(held_up_by(inside, leave));
     ASSERT_TRUE(quick_probe.read().get()) << "so that its connection is looked at, not slept on";
     const auto held_up = slow_probe.read();
     inside.wait();
@@ -46,13 +51,9 @@ TEST_F(SlowHandler, DelaysNobodyAfterTheServerHasRested) {
   const auto quick_probe = connect(second_lab_, "QUICK");
   std::latch inside(1);
   std::latch leave(1);
-  slow_.on_read([&](gecos::IncomingCall call) {
-    inside.count_down();
-    leave.wait();
-    call.fail(gecos::Fault::rejected("slowly").failure());
-  });
+  slow_.on_read(held_up_by(inside, leave));
   ASSERT_TRUE(quick_probe.read().get());
-  std::this_thread::sleep_for(400ms);  // the time that the server rests is what is tested
+  std::this_thread::sleep_for(400ms);  // no synchronisation: the test needs a server that rests
   const auto held_up = slow_probe.read();
   inside.wait();
   EXPECT_EQ(quick_probe.read().wait_for(5s), State::Finished);
@@ -67,11 +68,7 @@ TEST_F(SlowHandler, DelaysNobodyAtAThirdObjectWhenTwoAreSlowAtOnce) {
   serve("QUICK", servant_);
   std::latch inside(2);
   std::latch leave(1);
-  const auto slowly = [&](gecos::IncomingCall call) {
-    inside.count_down();
-    leave.wait();
-    call.fail(gecos::Fault::rejected("slowly").failure());
-  };
+  const auto slowly = held_up_by(inside, leave);
   slow_.on_read(slowly);
   slow_too.on_read(slowly);
   const auto one = connect(lab_, "SLOW").read();

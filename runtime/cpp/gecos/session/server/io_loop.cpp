@@ -297,8 +297,8 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   TimePoint next_look = at_rest ? TimePoint::max() : now + Maintenance::calm_tick;
   for (const auto& session : sessions_.all()) {
     const bool sent = session->sender().flush();
-    const TimePoint look =
-        next_look_at(*session, sent, now);  // a busy server notes heartbeats, too
+    // A busy server notes heartbeats, too, so that its first look at rest is not due too late.
+    const TimePoint look = next_look_at(*session, sent, now);
     if (at_rest) next_look = std::min(next_look, look);
     if (beat) session->connection().beat();
     if (session->object()->check_liveness(session)) {

@@ -13,7 +13,7 @@ namespace gecos::session {
 /// The maintenance thread must look within a tick at what a polling thread does that has woken: a
 /// handler may hang. So a polling thread that wakes sets a timer, which the maintenance thread
 /// watches. It does so only if the maintenance thread has counted on its sleep, so a busy server
-/// pays one atomic exchange for each sleep.
+/// pays only a few atomic operations for each sleep.
 class PollerSleep {
  public:
   /// Throws std::system_error when the process cannot open another file descriptor.
