@@ -3,8 +3,8 @@ without the mutex that guards it, or a function called without one that it needs
 
 The analysis does not follow calls, so it looks at the sources that see the members: those that
 include gecos/base/mutex.hpp, or a header that does. The build's compile_commands.json says how they
-are compiled. What the sources of one library include is precompiled once: their headers are most of
-the work.
+are compiled. Headers are most of the work, so what the sources of one library include is
+precompiled, and several sources are compiled together.
 
 The analysis sees only our mutexes. So a mutex of the standard library is an error, too.
 """
@@ -26,6 +26,8 @@ ROOTS = ("runtime", "devices")
 MUTEX = "gecos/base/mutex.hpp"
 MUTEX_FILE = f"runtime/cpp/{MUTEX}"
 FLAGS = ("-Wthread-safety", "-Werror")
+TOGETHER = 8
+"""Sources that are compiled together, as in a unity build."""
 PLAIN_MUTEX = re.compile(r"\bstd::(?:recursive_|shared_)?(?:timed_)?mutex\b")
 
 
@@ -77,23 +79,27 @@ def compiled(file: Path) -> list[Path]:
     return [Path(source) for source in included]
 
 
-def sources(build: Path) -> dict[tuple[str, ...], list[Path]]:
-    """The sources to check, grouped by the flags they are compiled with."""
+def sources(build: Path) -> dict[tuple[str, ...], list[list[Path]]]:
+    """The sources to check, by the flags they are compiled with, and in groups of one target."""
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
     mutexes = headers_with_mutexes()
     wanted = {
         file for root in ROOTS for file in (TREE / root).rglob("*.cpp") if includes(file) & mutexes
     }
-    found: dict[tuple[str, ...], list[Path]] = defaultdict(list)
+    found: dict[tuple[tuple[str, ...], str], list[Path]] = defaultdict(list)
     for command in commands:
+        target = command["command"].partition(" -o ")[2].partition(".dir/")[0]
         for file in compiled(Path(command["file"])):
             if file in wanted:
                 wanted.remove(file)
-                found[kept(shlex.split(command["command"]))].append(file)
+                found[kept(shlex.split(command["command"])), target].append(file)
     if wanted:
         names = ", ".join(str(file.relative_to(TREE)) for file in sorted(wanted))
         raise SystemExit(f"check_thread_safety: {build} does not compile {names}; run make build")
-    return found
+    groups: dict[tuple[str, ...], list[list[Path]]] = defaultdict(list)
+    for (flags, _), files in found.items():
+        groups[flags] += [files[at : at + TOGETHER] for at in range(0, len(files), TOGETHER)]
+    return groups
 
 
 def clang(*arguments: str) -> str:
@@ -103,9 +109,10 @@ def clang(*arguments: str) -> str:
     return "" if ran.returncode == 0 else ran.stderr.strip() or f"clang ended with {ran.returncode}"
 
 
-def check_alike(flags: tuple[str, ...], files: list[Path], folder: Path) -> list[str]:
-    """What clang says of each of these files, which are compiled with the same flags."""
+def check_alike(flags: tuple[str, ...], groups: list[list[Path]], folder: Path) -> list[str]:
+    """What clang says of these groups of files, which are compiled with the same flags."""
     every = folder / "every.hpp"
+    files = [file for group in groups for file in group]
     lines = [line for file in files for line in file.read_text(encoding="utf-8").splitlines()]
     # A header beside its source is found from there alone.
     wanted = sorted({line for line in lines if re.match(r'#include (<|"[^"]*/)', line)})
@@ -113,12 +120,15 @@ def check_alike(flags: tuple[str, ...], files: list[Path], folder: Path) -> list
     compiled = f"{every}.pch"
     if problem := clang(*flags, "-x", "c++-header", "-o", compiled, str(every)):
         return [problem]
+
+    def check(at: int) -> str:
+        together = folder / f"group{at}.cpp"
+        lines = [f'#include "{file}"\n' for file in groups[at]]
+        together.write_text("".join(lines), encoding="utf-8")
+        return clang(*flags, "-fsyntax-only", "-include-pch", compiled, str(together))
+
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(
-            pool.map(
-                lambda f: clang(*flags, "-fsyntax-only", "-include-pch", compiled, str(f)), files
-            )
-        )
+        return [text for text in pool.map(check, range(len(groups))) if text]
 
 
 def main() -> int:
@@ -141,14 +151,14 @@ def main() -> int:
         return 1
     plain = plain_mutexes(TREE)
     found: list[str] = []
-    for flags, files in checked.items():
+    for flags, groups in checked.items():
         with tempfile.TemporaryDirectory() as folder:
-            found += [text for text in check_alike(flags, files, Path(folder)) if text]
+            found += check_alike(flags, groups, Path(folder))
     for text in (*plain, *found):
         print(text)
-    count = sum(len(files) for files in checked.values())
+    count = sum(len(group) for groups in checked.values() for group in groups)
     print(
-        f"check_thread_safety: {count} sources, {len(found)} of them with problems, "
+        f"check_thread_safety: {count} sources, {len(found)} groups of them with problems, "
         f"{len(plain)} mutexes of the standard library"
     )
     return 1 if plain or found else 0

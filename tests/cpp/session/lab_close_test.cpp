@@ -146,7 +146,7 @@ TEST(EndedLab, IsNotTouchedByATickOfItsFailoverThatComesLate) {
     const gecos::Lab lab;
     failover = LabAccess::context(lab).value()->failover();
   }
-  EXPECT_EQ(failover->on_tick(std::chrono::steady_clock::now()), gecos::TimePoint::max());
+  EXPECT_EQ(failover->on_tick(std::chrono::steady_clock::now()).due, gecos::TimePoint::max());
 }
 
 }  // namespace

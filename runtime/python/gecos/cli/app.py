@@ -85,7 +85,7 @@ def _version() -> str:
     try:
         return version("robcl")
     except PackageNotFoundError:
-        return "of a source tree, which is not installed"
+        return "(unknown: robcl is not installed, this is a source tree)"
 
 
 @click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})

@@ -33,7 +33,7 @@ class ConnectionMaintenance final : public TickTarget {
   };
   ConnectionMaintenance(const Runtime& runtime, Parts session);
 
-  TimePoint on_tick(TimePoint now) override;
+  NextTick on_tick(TimePoint now) override;
   void watch(std::vector<pollfd>& into) override { session_.reader.watch(into); }
   void unwatch() override { session_.reader.unwatch(); }
 

@@ -37,7 +37,7 @@ void end_late(PendingFailover& pending) {
       "the deadline of '" + std::string(pending.command->again->name) + "' passed ";
   pending.command->fail(
       {started ? Detail::TimedOut : Detail::Expired,
-       what + "while the command could not be sent again: " + pending.failure.text,
+       what + "while no server was found to send it to again: " + pending.failure.text,
        {},
        {}});
 }
@@ -126,7 +126,7 @@ Failover::Search& Failover::search_of(const std::shared_ptr<ClientConnection>& f
   return searches_.emplace_back(Search{from, {}, {}, "there was no time to look for a server"});
 }
 
-TimePoint Failover::on_tick(TimePoint now) {
+NextTick Failover::on_tick(TimePoint now) {
   std::vector<std::pair<PendingFailover, std::string>> over;
   bool idle = false;
   {

@@ -66,7 +66,7 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   /// lab is closed, no thread can be created, or this process is a forked child.
   bool run_soon(Job job);
   /// Ends the commands whose `grace` or deadline has passed.
-  TimePoint on_tick(TimePoint now) override;
+  NextTick on_tick(TimePoint now) override;
   /// Called when the lab is closed: ends the commands that wait for failover.
   void end();
 

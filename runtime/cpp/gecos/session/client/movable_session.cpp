@@ -159,7 +159,7 @@ std::string MovableSession::report_stay(const std::string& why) {
   return report_.why;
 }
 
-TimePoint MovableSession::on_tick(TimePoint now) {
+NextTick MovableSession::on_tick(TimePoint now) {
   using Act = qos::FailoverPlan::Act;
   Act act = Act::None;
   std::string text;

@@ -48,7 +48,7 @@ class MovableSession final : public ClientSession,
   LineState await_line_change(std::uint64_t changes, TimePoint deadline) const override;
   std::uint64_t issued() override;
 
-  TimePoint on_tick(TimePoint now) override;
+  NextTick on_tick(TimePoint now) override;
 
  private:
   /// A stream of the program, and its new subscription over another medium.

@@ -20,15 +20,14 @@ namespace gecos::session {
 struct Maintenance::Shared {
   explicit Shared(const Clock& its_clock) : clock(its_clock) {}
 
-  struct Target {
+  struct Target : TickTimes {
+    explicit Target(std::weak_ptr<TickTarget> its_target) : target(std::move(its_target)) {}
     std::weak_ptr<TickTarget> target;
-    TimePoint due{};  ///< when the next tick is due
   };
 
   void run();
   std::vector<std::function<void()>> take_jobs();
   std::vector<std::shared_ptr<TickTarget>> look_at();
-  TimePoint tick_all(const std::vector<std::shared_ptr<TickTarget>>& alive, bool woken);
   bool judge_pause(const std::vector<std::shared_ptr<TickTarget>>& alive);
 
   const Clock& clock;
@@ -53,7 +52,7 @@ std::vector<std::function<void()>> Maintenance::Shared::take_jobs() {
 std::vector<std::shared_ptr<TickTarget>> Maintenance::Shared::look_at() {
   {
     const MutexLock lock(mutex);
-    for (auto& one : added) targets.push_back({std::move(one), {}});
+    for (auto& one : added) targets.emplace_back(std::move(one));
     added.clear();
   }
   std::vector<std::shared_ptr<TickTarget>> alive;
@@ -64,20 +63,6 @@ std::vector<std::shared_ptr<TickTarget>> Maintenance::Shared::look_at() {
     return false;
   });
   return alive;
-}
-
-/// Calls the targets whose tick is due, or all when the thread was woken. Returns when the next
-/// tick is due. A process may have a thousand targets, whose ticks are due at different times.
-TimePoint Maintenance::Shared::tick_all(const std::vector<std::shared_ptr<TickTarget>>& alive,
-                                        bool woken) {
-  const TimePoint now = clock.now();
-  TimePoint next = TimePoint::max();
-  for (std::size_t at = 0; at < alive.size(); ++at) {
-    Target& one = targets[at];
-    if (woken || one.due <= now) one.due = alive[at]->on_tick(now);
-    next = std::min(next, one.due);
-  }
-  return next;
 }
 
 /// Returns whether this process was suspended.
@@ -103,7 +88,9 @@ void Maintenance::Shared::run() {
     auto alive = look_at();
     note_suspension(clock);
     woken = judge_pause(alive) || woken;
-    const TimePoint next = tick_all(alive, std::exchange(woken, false));
+    const TimePoint now = clock.now();
+    const TimePoint next = tick_due(targets, now, std::exchange(woken, false),
+                                    [&](std::size_t at) { return alive[at]->on_tick(now); });
 
     const bool idle = next == TimePoint::max();
     const auto rest =

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gecos/base/clock.hpp"
+#include "gecos/session/process/next_tick.hpp"
 #include "gecos/session/process/pause_watch.hpp"
 
 namespace gecos::session {
@@ -16,9 +17,9 @@ class TickTarget {
  public:
   virtual ~TickTarget() = default;
   /// Called on the maintenance thread. Must not block and must not run a user's handler. Returns
-  /// when the next tick is due. The next tick comes no sooner than `Maintenance::tick` later. If
-  /// the thread is woken, the next tick comes at once, whatever this function returned.
-  virtual TimePoint on_tick(TimePoint now) = 0;
+  /// when the next tick is due. The thread sleeps for at least `Maintenance::tick`. If it is woken,
+  /// the next tick of each target comes at once, whatever this function returned.
+  virtual NextTick on_tick(TimePoint now) = 0;
   /// Called before `on_tick` when this process was suspended for the time `stood_still`. No call
   /// starts before this function has returned.
   virtual void after_pause(Duration stood_still) { static_cast<void>(stood_still); }

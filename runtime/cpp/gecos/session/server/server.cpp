@@ -113,7 +113,7 @@ class Server::Core {
   /// null before the parts of the server are destroyed.
   struct Upkeep final : session::TickTarget {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
-    TimePoint on_tick(TimePoint now) override;
+    session::NextTick on_tick(TimePoint now) override;
     void after_pause(Duration stood_still) override;
     void watch(std::vector<pollfd>& into) override;
     Mutex mutex;
@@ -163,7 +163,7 @@ Server::Core::Made Server::Core::make(const session::LabOrWhyNot& lab, Admission
   }
 }
 
-TimePoint Server::Core::Upkeep::on_tick(TimePoint now) {
+session::NextTick Server::Core::Upkeep::on_tick(TimePoint now) {
   const MutexLock lock(mutex);
   if (core == nullptr) return TimePoint::max();
   TimePoint next = core->io_.on_tick(now);
