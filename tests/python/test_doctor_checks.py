@@ -270,7 +270,7 @@ def test_a_key_that_is_not_admitted_is_no_missing_broker() -> None:
     perhaps = "(tried lcm: no server answers, or the server does not admit our key c1075034)"
     mend = broker(Answer(perhaps), BY_VARIABLE, US).mend
     assert mend.startswith("run gecos broker on the host")
-    assert "its user runs gecos keys add FILE ben@desk, with" in mend
+    assert "ask its user to run gecos keys add FILE ben@desk, where" in mend
 
 
 @pytest.mark.parametrize(

@@ -113,7 +113,7 @@ def test_a_laboratory_is_not_admitted_as_this_user(
     link = cell.invite("--as", f"{claimed}@{socket.gethostname()}")
     code, out = desk.gecos("join", link, "--as", "ben@desk")
     assert code == 2
-    assert "is admitted to everything on this host, so no list would limit this key" in out
+    assert "is admitted to all your objects, so no list would limit this key" in out
     assert desk.owners() == []
 
 

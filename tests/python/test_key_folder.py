@@ -81,7 +81,7 @@ def test_a_key_without_an_owner_is_told_to_be_past_all_lists(
     assert f"gecos keys add {folder / KEY}.public USER@HOST" in out
     _, out, _ = run("keys", "add", str(received), "bob@desk")
     assert "no owner" not in out
-    assert "bob@desk is admitted to the objects whose lists name it" in out
+    assert "bob@desk is admitted to the objects whose lists name bob@desk" in out
     _, out, _ = run("keys", "add", str(received))
     assert "bob@desk is admitted to the objects" in out, "the key keeps its owner"
 

@@ -40,7 +40,8 @@ def _compare(name: str, own: Qos, facts: Facts, above: Interface, findings: Find
             "G0413",
             facts.place_of("qos"),
             f"'{name}' promises less than interface '{above.simple_name}': {said}",
-            "promise at least as much, weaken the interface's promise, or use another interface",
+            "promise at least what the interface promises, weaken the promise of the interface, or "
+            "use another interface",
             notes=(Note("promised here", above.facts.place_of("qos")),),
         )
 

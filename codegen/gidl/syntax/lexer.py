@@ -285,7 +285,7 @@ class _Lexer:
             self._findings.error(
                 "G0502",
                 span,
-                f"'{written}' is not an annotation: write its arguments in parentheses",
+                f"'{written}' is no complete annotation: write its arguments in parentheses",
                 f"//@{name}(...)",
             )
             return

@@ -158,7 +158,7 @@ class TokenReader:
                 "G0707",
                 self._span(token),
                 f"'{token.text}' differs from '{keyword}', a keyword since IDL 4.0, only in case",
-                f"write '_{token.text}' for other IDL compilers: the name stays the same",
+                f"write '_{token.text}' for other IDL compilers: the name remains '{token.text}'",
             )
         elif keyword is not None:
             alike = "" if keyword == token.text else " (names are compared without regard to case)"
@@ -176,7 +176,7 @@ class TokenReader:
                 "G0702",
                 self._span(token),
                 f"'{token.text}' is a keyword of a part of IDL that .gidl does not use",
-                f"write '_{token.text}' for other IDL compilers: the name stays the same",
+                f"write '_{token.text}' for other IDL compilers: the name remains '{token.text}'",
             )
         self._advance()
         return Name(token.text, self._span(token))

@@ -40,9 +40,9 @@ def number(kind: Primitive, limits: Range | None) -> int | float:
 
 
 def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
-    """Returns whether a mock can return a default-constructed value without changing the value.
-    With `alone`, the value is not a member of a struct: a default-constructed enum then has the
-    number 0, even if its initial enumerator has another number."""
+    """Returns whether a default-constructed value of this type is already a sample that a mock can
+    return. `alone` means that the value is not a member of a struct: a default-constructed enum
+    then has the number 0, even if its initial enumerator has another number."""
     match node:
         case ScalarNode(kind, limits):
             return not kind.is_number or number(kind, limits) == 0

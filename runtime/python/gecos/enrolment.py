@@ -238,7 +238,8 @@ def _send(line: socket.socket, message: dict[str, str]) -> None:
 
 
 def _receive(line: socket.socket, within: float) -> dict[str, str]:
-    """Returns the printable texts of the next message; an empty dict if the message is incomplete.
+    """Returns the fields of the next message, as printable texts by their names; an empty dict if
+    the message is incomplete.
     Raises TimeoutError after `within` seconds. The peer has not proved its identity yet."""
     end = time.monotonic() + within
     text = b""

@@ -138,8 +138,9 @@ def add(file: Path, owner: str | None = None) -> str:
             raise KeyFolderError(f"{file}: this is your own key, which needs no owner")
         if is_own_user(owner):
             raise KeyFolderError(
-                f"{owner} is admitted to everything on this host, so no list would limit this key; "
-                "name the owner as USER@HOST, with the host on which the owner uses the key"
+                f"{owner} is your own user on this host, who is admitted to all your objects, so "
+                "no list would limit this key; name the owner as USER@HOST, with the host on which "
+                "the owner uses the key"
             )
         _put(_owner_file(key), f"{owner}\n".encode())  # first: a list may limit this key
     _put(file_of(key), text)

@@ -55,7 +55,8 @@ class PublisherView:
 
 @dataclass(frozen=True, slots=True)
 class InwardView:
-    """An inward stream: its constant, and the property of the proxy and of the servant."""
+    """An inward stream: the constant that describes it, and the property by which the proxy writes
+    it and the servant reads it."""
 
     constant: str
     name: str

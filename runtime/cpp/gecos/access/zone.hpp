@@ -30,8 +30,8 @@ class Zone {
     std::vector<std::string> buttons;
     std::vector<std::string> doors;
   };
-  /// A spell is an uninterrupted time of presence; spells are numbered. `earlier_spells` is at
-  /// least the number of the last spell that an earlier run of the zone's server counted.
+  /// A spell is an uninterrupted time of presence. The zone numbers its spells from
+  /// `earlier_spells` + 1, so that no number occurs twice when the server is restarted.
   Zone(std::string name, const Sources& sources, std::uint64_t earlier_spells);
 
   /// Whether a person is present.

@@ -26,7 +26,8 @@ class FileThread {
   /// Makes the job run once more, soon. Returns the number of a run that begins after this call.
   std::uint64_t ask();
   /// Waits until the run with this number has ended. Returns false if the run has not ended after
-  /// `patience`. If another run is under way, `patience` counts from the beginning of that run.
+  /// `patience`. If an earlier run has not ended yet, `patience` counts from the beginning of that
+  /// run.
   bool await(std::uint64_t run, Duration patience);
 
  private:

@@ -100,7 +100,8 @@ class Directory {
       const std::function<bool(std::uint64_t session)>& applies) const;
   /// Returns true when the session enlisted an object whose process is on the broker's host.
   bool is_of_this_host(std::uint64_t session) const;
-  /// Removes the objects of a process of the broker's host that has ended, and returns their names.
+  /// Called when the process `pid` of the broker's host has ended. Removes the objects of that
+  /// process, and returns their names.
   std::vector<std::string> process_ended(std::int32_t pid);
   /// Frees the name of a silent object. Fails when the directory does not have the name, when the
   /// server of the object is heard, and when the process of the server lives on the broker's host.

@@ -29,8 +29,8 @@ struct JointLimit {
   double value = 0;      ///< position that the goal or the place needs, rad
   double lower = 0;      ///< lower limit, rad
   double upper = 0;      ///< upper limit, rad
-  /// The place on the straight line at which the tool needs the joint position; empty if the goal
-  /// itself needs the joint position.
+  /// The place on the straight line that the tool would reach with the joint at `value`; empty if
+  /// that place is the goal.
   std::optional<PlaceOnLine> place{};
   /// The configuration for which the joint position was computed. All members are empty if the goal
   /// was given as joint positions, or if the arm has no configurations.

@@ -98,7 +98,7 @@ def add(file: Path, owner: str | None, as_json: bool) -> None:
         )
         whose = key_folder.owner_of(key)
         if whose is not None:
-            print(f"{whose} is admitted to the objects whose lists name it: docs/security.md")
+            print(f"{whose} is admitted to the objects whose lists name {whose} (docs/security.md)")
         else:
             print(
                 "this key has no owner: it is admitted to everything of yours, whatever the lists "

@@ -53,7 +53,7 @@ def _names(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
 
 @_completion
 def silent_names(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
-    """Completes the names of objects whose servers are silent."""
+    """Returns, for shell completion, the names of objects whose servers are silent."""
     from gecos.dynamic_client.connect import silent_objects
 
     silent = silent_objects(lab, patience=_MOMENT)

@@ -34,9 +34,9 @@ def why(request: str, folder: Path | None, as_json: bool) -> int:
     found = lines_about(place, _Request.of(request))
     if not found:
         raise RuntimeError(
-            f"the audit in {place} has no line about {request}: the server belongs to another "
-            "user or host (ask that user), or the line was removed with the oldest file, or it "
-            "was one of many equal refusals, whose line is written within a minute"
+            f"the audit in {place} has no line about {request}; either the server belongs to "
+            "another user or host (ask that user), or the line was removed with the oldest file, "
+            "or the server counts equal refusals in one line, which it writes within a minute"
         )
     if as_json:
         print_json(found)

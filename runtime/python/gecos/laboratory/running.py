@@ -291,7 +291,7 @@ def _broker_of(laboratory: LaboratoryDescription, named: str) -> str:
         raise LaboratoryError(
             f"GECOS_BROKER is {named!r}, so the programs would not use the broker that this "
             "laboratory starts; unset GECOS_BROKER, or write `start = false` below [broker] in "
-            f"{laboratory.file or 'a lab.toml'} if the programs are to use that broker"
+            f"{laboratory.file or 'a lab.toml'} if the programs are to use the broker at {named!r}"
         )
     return named or "shm"
 

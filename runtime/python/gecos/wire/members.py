@@ -22,8 +22,9 @@ its label. A group is a run of numbers with the label "", or one member with its
 
 
 class Members:
-    """Members in the order of their encoding. `names` are their names in the interface; messages
-    call a member `label.name`. `defaults` are for the last members, which an older writer may omit.
+    """Members in the order of their encoding. `names` are their names in the interface; error
+    texts call a member `label.name`. `defaults` are for the last members, which an older writer
+    may omit.
     """
 
     __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names")

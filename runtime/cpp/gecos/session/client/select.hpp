@@ -35,8 +35,8 @@ tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const
 std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interface,
                                              const qos::LineCapabilities& line, bool simulated);
 
-/// A medium that may lead to an object: an address of the object, and what a session promises
-/// there.
+/// A medium that may lead to an object: an address of the object, and the quality that a session
+/// over this address has.
 struct Route {
   std::string address;
   qos::LineCapabilities line;

@@ -8,9 +8,9 @@
 
 namespace gecos::session {
 
-/// Returns the weight with which the time of one handler counts: the number of handlers that it
-/// represents. 0: its time need not be measured. `number`: the number of the handler among those of
-/// its operation, from 0. The first 16 handlers are timed, then each 16th, because reading the
+/// Returns the weight with which the time of one call's handler counts: the number of calls that it
+/// represents. 0: the time need not be measured. `number`: the number of the call among the calls
+/// of its operation, from 0. The first 16 calls are timed, then each 16th, because reading the
 /// clock twice for each call would cost a tenth of a short call.
 constexpr std::uint32_t timed_weight(std::uint64_t number) {
   if (number < 16) return 1;

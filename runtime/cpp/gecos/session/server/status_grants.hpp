@@ -73,7 +73,8 @@ class StatusGrants {
   /// Refuses the waiting request with this id, because a holder of the status denies it. Returns
   /// false when no such request waits.
   bool deny(std::uint64_t id, const std::string& why);
-  /// Refuses all waiting requests and replies to all questions, because the server is about to end.
+  /// Called when the server is about to end. Refuses all waiting requests for the status, and
+  /// replies to all clients that have asked who waits.
   void close();
 
   /// From now until `depart`, keeps `session->standing` up to date, because the session feeds

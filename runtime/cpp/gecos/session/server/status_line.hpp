@@ -55,7 +55,7 @@ class StatusLine {
 
   /// Appends `request`. When too many requests wait already, refuses `request` and returns false.
   bool add(StatusRequest request);
-  /// Returns the request `counter` of `session`; null when no such request waits.
+  /// Returns the waiting request of `session` whose counter is `counter`; null if there is none.
   StatusRequest* find(SessionId session, std::uint64_t counter);
   /// Returns the request with this id if it is shown to holders of the status; otherwise null.
   const StatusRequest* find(std::uint64_t id) const;

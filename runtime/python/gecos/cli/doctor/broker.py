@@ -136,8 +136,8 @@ def _mend(reason: str, at: BrokerPlace, us: str) -> str:
     mend = f"run gecos broker on the host, and as the user, that {at} names"
     if "does not admit our key" in reason:
         mend += (
-            f"; if a broker already runs there, its user runs gecos keys add FILE {us}, with the "
-            ".public file of this user"
+            "; if a broker already runs there, ask its user to run gecos keys add FILE "
+            f"{us}, where FILE is your .public file"
         )
     return mend
 
