@@ -80,7 +80,8 @@ def compiled(file: Path) -> list[Path]:
 
 
 def sources(build: Path) -> dict[tuple[str, ...], list[list[Path]]]:
-    """The sources to check, by the flags they are compiled with, and in groups of one target."""
+    """Returns the sources to check: for each set of compiler flags, groups of at most `TOGETHER`
+    sources of one target."""
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
     mutexes = headers_with_mutexes()
     wanted = {
@@ -103,14 +104,15 @@ def sources(build: Path) -> dict[tuple[str, ...], list[list[Path]]]:
 
 
 def clang(*arguments: str) -> str:
-    """What it says; empty when it finds nothing."""
+    """Returns the messages of clang; an empty text when it finds nothing."""
     command = ("tools/clang.sh", *FLAGS, *arguments)
     ran = subprocess.run(command, cwd=TREE, capture_output=True, text=True, check=False)
     return "" if ran.returncode == 0 else ran.stderr.strip() or f"clang ended with {ran.returncode}"
 
 
 def check_alike(flags: tuple[str, ...], groups: list[list[Path]], folder: Path) -> list[str]:
-    """What clang says of these groups of files, which are compiled with the same flags."""
+    """Returns the problems that clang finds in groups of files which are compiled with the same
+    flags, one text for each file with a problem."""
     every = folder / "every.hpp"
     files = [file for group in groups for file in group]
     lines = [line for file in files for line in file.read_text(encoding="utf-8").splitlines()]
@@ -121,14 +123,23 @@ def check_alike(flags: tuple[str, ...], groups: list[list[Path]], folder: Path) 
     if problem := clang(*flags, "-x", "c++-header", "-o", compiled, str(every)):
         return [problem]
 
-    def check(at: int) -> str:
-        together = folder / f"group{at}.cpp"
-        lines = [f'#include "{file}"\n' for file in groups[at]]
-        together.write_text("".join(lines), encoding="utf-8")
-        return clang(*flags, "-fsyntax-only", "-include-pch", compiled, str(together))
+    def check(some: list[Path], name: str) -> str:
+        source = folder / f"{name}.cpp"
+        lines = [f'#include "{file}"\n' for file in some]
+        source.write_text("".join(lines), encoding="utf-8")
+        return clang(*flags, "-fsyntax-only", "-include-pch", compiled, str(source))
+
+    def check_group(at: int) -> list[str]:
+        """If the group fails, its files are checked one by one: the build may not compile them
+        together, and two of them may have local names in common."""
+        if not check(groups[at], f"group{at}"):
+            return []
+        return [check([file], f"group{at}-{nth}") for nth, file in enumerate(groups[at])]
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return [text for text in pool.map(check, range(len(groups))) if text]
+        return [
+            text for texts in pool.map(check_group, range(len(groups))) for text in texts if text
+        ]
 
 
 def main() -> int:
@@ -158,7 +169,7 @@ def main() -> int:
         print(text)
     count = sum(len(group) for groups in checked.values() for group in groups)
     print(
-        f"check_thread_safety: {count} sources, {len(found)} groups of them with problems, "
+        f"check_thread_safety: {count} sources, {len(found)} of them with problems, "
         f"{len(plain)} mutexes of the standard library"
     )
     return 1 if plain or found else 0

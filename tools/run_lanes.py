@@ -1,7 +1,7 @@
 """Runs every lane of `make test`, and prints a summary line of each lane at the end.
 
 A lane is one runner (ctest, pytest, mypy, …). Lanes that use the network wait most of the time: if
-each can have a network of its own, they run beside each other, and a lane that compiles takes the
+each can have a network of its own, they run beside each other, and the lanes that compile take the
 time of the cores that they leave. All other lanes run in turn. All lanes run even when one fails;
 the exit status is 0 exactly when all of them passed. A lane that cannot run on this machine fails:
 nothing is skipped.
@@ -62,6 +62,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
         for name in ("arm_file", "arm_pause", "demo", "examples", "follow", "hand_over", "plot")
     )
     documented = ("tests/docs", sdk)
+    patient = ("nice", "-n", "19", python, "-m", "pytest", "--timeout=1200")
     of_python = (*compiling, "tests/docs", "tests/system", "tests/stress")
     pytest_sum = r"^=+ .*(passed|failed|error|no tests).* =+$"
     return [
@@ -90,17 +91,15 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             ),
             r"^\d+% tests passed",
         ),
-        # Nothing in it is timed, so it takes only the time of the cores that other lanes leave.
+        # Nothing in these two is timed, and both compile, so they take only the time of the cores
+        # that other lanes leave.
         Lane(
             "compiler",
-            (
-                *("nice", "-n", "19", python, "-m", "pytest", f"-n{jobs}", "--dist=worksteal"),
-                *("--timeout=1200", *compiling),
-            ),
+            (*patient, f"-n{jobs}", "--dist=worksteal", *compiling),
             pytest_sum,
             beside=True,
         ),
-        Lane("docs", (python, "-m", "pytest", *documented), pytest_sum, beside=True),
+        Lane("docs", (*patient, *documented), pytest_sum, beside=True),
         # Its busy loops on every core would keep the programs of other lanes from running.
         Lane(
             "bench-peers",
@@ -180,8 +179,8 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
 
 
 def run_together(lanes: Sequence[Lane], at_a_time: int) -> list[Verdict]:
-    """Runs the lanes, so many at a time. The output of the first one is shown as it comes, that of
-    each other one when it and all before it have ended."""
+    """Runs at most `at_a_time` of the lanes at a time. The output of the first lane is shown as it
+    comes, that of each other lane when it and all lanes before it have ended."""
     held: list[list[str]] = [[] for _ in lanes]
     with ThreadPoolExecutor(at_a_time) as pool:
         running = [
@@ -216,7 +215,7 @@ def in_steps(lanes: Sequence[Lane]) -> list[list[Lane]]:
 
 
 def at_a_time(cores: int) -> int:
-    """Returns how many lanes of a step run at a time. One of them has a low priority, and most
+    """Returns how many lanes of a step run at a time. Two of them have a low priority, and most
     others wait most of the time."""
     return cores + 2 if cores > 1 else 1
 

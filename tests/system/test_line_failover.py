@@ -91,7 +91,7 @@ def test_calls_and_samples_go_on_over_the_other_medium(lab_with_broker: Laborato
         assert (state.medium, state.moved_from) == ("lcm", "shm")
         assert re.match(
             r"^RAIL has moved from shm to lcm: RAIL over shm: the round trip took [^;]*; for "
-            r"one second it has exceeded latency=100 ms",
+            r"one second it has exceeded latency=100ms",
             state.why,
         ), state.why
         for before, after in itertools.pairwise(read):

@@ -1,5 +1,6 @@
 """The thread-safety check finds members that are touched without their mutex."""
 
+import json
 from pathlib import Path
 
 import check_thread_safety
@@ -52,6 +53,43 @@ def test_names_what_is_touched_without_it(tmp_path: Path, instead: str, says: st
     wrong = RIGHT.replace("  const gecos::MutexLock lock(mutex);\n", instead)
     (text,) = check(tmp_path, wrong)
     assert says in text
+
+
+def test_names_the_one_source_of_several_groups_that_is_wrong(tmp_path: Path) -> None:
+    (tmp_path / "counter.hpp").write_text(COUNTER, encoding="utf-8")
+    local = '#include "counter.hpp"\nnamespace {\nint twice() { return 2; }\n}\n'
+    texts = {
+        "first": RIGHT,
+        "second": local,
+        "third": f"{local}int third() {{ return twice(); }}\n",
+    }
+    texts["wrong"] = '#include "counter.hpp"\nint wrong(Counter& it) { return it.count; }\n'
+    for name, text in texts.items():
+        (tmp_path / f"{name}.cpp").write_text(text, encoding="utf-8")
+    # The second and the third have a local name in common, so they do not compile together.
+    groups = [[tmp_path / "first.cpp"], [tmp_path / f"{name}.cpp" for name in list(texts)[1:]]]
+    flags = (*FLAGS, f"-I{tmp_path}")
+    (text,) = check_thread_safety.check_alike(flags, groups, tmp_path)
+    assert "wrong.cpp:2:" in text
+
+
+def test_checks_each_source_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    tree, build = tmp_path / "tree", tmp_path / "build"
+    (tree / "runtime").mkdir(parents=True)
+    (tree / "devices").mkdir()
+    build.mkdir()
+    commands = []
+    for target, count in (("one", 9), ("other", 3)):
+        for nth in range(count):
+            file = tree / "runtime" / f"{target}{nth}.cpp"
+            file.write_text('#include "gecos/base/mutex.hpp"\n', encoding="utf-8")
+            command = f"c++ -std=c++20 -o runtime/{target}.dir/{nth}.o -c {file}"
+            commands.append({"file": str(file), "command": command})
+    (build / "compile_commands.json").write_text(json.dumps(commands), encoding="utf-8")
+    monkeypatch.setattr(check_thread_safety, "TREE", tree)
+    (groups,) = check_thread_safety.sources(build).values()
+    assert [len(group) for group in groups] == [8, 1, 3]
+    assert {file for group in groups for file in group} == set((tree / "runtime").iterdir())
 
 
 def test_follows_a_header_that_has_a_mutex_to_the_sources_that_include_it() -> None:

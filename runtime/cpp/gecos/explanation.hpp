@@ -15,7 +15,9 @@ struct UnsuitedMember {
   FunctionCode code{};
   std::string name;  ///< "move", "tool"; "tool=" for a setter
   std::vector<qos::Violation> violations;
-  bool samples_only = false;  ///< the stream is refused, and its getter may be called
+  /// `violations` are those of the samples of a stream. If its getter is refused, too, the getter
+  /// has an entry of its own.
+  bool samples_only = false;
 };
 
 /// The reasons for and against one medium of an object.

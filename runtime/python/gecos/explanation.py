@@ -23,7 +23,9 @@ class UnsuitedMember(NamedTuple):
 
     name: str
     violations: tuple[Violation, ...]
-    samples_only: bool = False  # True if the stream is refused, and its getter may be called
+    samples_only: bool = False
+    """`violations` are those of the samples of a stream. If its getter is refused, too, the getter
+    has an entry of its own."""
 
     @property
     def reason(self) -> str:

@@ -108,7 +108,7 @@ TEST_P(Lines, WithFailTheSessionIsLostAndSaysWhy) {
   const auto refused = robot.move(1).get();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().detail, gecos::Detail::NoServer);
-  EXPECT_NE(refused.error().text.find("for one second it has exceeded latency=250 ms"),
+  EXPECT_NE(refused.error().text.find("for one second it has exceeded latency=250ms"),
             std::string::npos)
       << refused.error().text;
 }

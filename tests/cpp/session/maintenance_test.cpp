@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <condition_variable>
-#include <cstddef>
 #include <mutex>
-#include <vector>
 
 #include "gecos/session/protocol/packets.hpp"
 
@@ -60,69 +58,6 @@ TEST(Maintenance, CallsATargetOnlyWhenItsTickIsDueOrTheThreadIsWoken) {
   EXPECT_EQ(rarely->ticks(), woken);
   maintenance.wake();
   rarely->await_ticks(woken + 1);
-}
-
-/// Simulates the ticks of targets for some time, and counts the wake-ups of their thread.
-class Ticks {
- public:
-  using Milliseconds = std::chrono::milliseconds;
-
-  /// A target that ticks at `first` and then every 100 ms, and up to `early` earlier.
-  struct Target : TickTimes {
-    Duration early{};
-  };
-  void add(int first, int early) {
-    Target& added = targets_.emplace_back();
-    added.next = TimePoint{Milliseconds(first)};
-    added.early = Milliseconds(early);
-  }
-  /// Returns in how many wake-ups the thread serves the targets from time `from` to `until`, in ms.
-  int wake_ups(int from, int until) {
-    int count = 0;
-    while (now_ < TimePoint(Milliseconds(until))) {
-      if (now_ >= TimePoint(Milliseconds(from))) ++count;
-      now_ = tick_due(targets_, now_, false, [&](std::size_t at) {
-        return NextTick(now_ + Milliseconds(100), targets_[at].early);
-      });
-    }
-    return count;
-  }
-
- private:
-  std::vector<Target> targets_;
-  TimePoint now_{};
-};
-
-TEST(TickDue, TicksThatMayComeEarlyComeTogetherWithOthersAfterAWhile) {
-  for (int begin = 0; begin < 100; ++begin) {
-    Ticks ticks;
-    ticks.add(50, 0);
-    ticks.add(begin, 20);
-    EXPECT_LE(ticks.wake_ups(1000, 11'000), 101) << begin;
-  }
-}
-
-TEST(TickDue, SeveralTargetsWhoseTicksMayComeEarlyMeet) {
-  for (int begin = 0; begin < 100; ++begin) {
-    Ticks ticks;
-    ticks.add(50, 20);
-    ticks.add(begin, 20);
-    ticks.add(100 - begin, 20);
-    EXPECT_LE(ticks.wake_ups(1000, 11'000), 101) << begin;
-  }
-}
-
-TEST(TickDue, ATargetThatTicksAloneKeepsItsPeriod) {
-  Ticks ticks;
-  ticks.add(0, 20);
-  EXPECT_EQ(ticks.wake_ups(0, 10'000), 100);
-}
-
-TEST(TickDue, TicksThatMayNotComeEarlyKeepTheirTimes) {
-  Ticks ticks;
-  ticks.add(0, 0);
-  ticks.add(40, 0);
-  EXPECT_EQ(ticks.wake_ups(0, 10'000), 200);
 }
 
 }  // namespace

@@ -7,20 +7,6 @@
 namespace gecos::qos {
 namespace {
 
-/// "250us", "5ms", "1.2s"
-std::string with_unit(Duration duration) {
-  const double seconds = std::chrono::duration<double>(duration).count();
-  char text[32];
-  if (duration >= std::chrono::seconds(1)) {
-    std::snprintf(text, sizeof text, "%.4gs", seconds);
-  } else if (duration >= std::chrono::milliseconds(1)) {
-    std::snprintf(text, sizeof text, "%.3gms", seconds * 1e3);
-  } else {
-    std::snprintf(text, sizeof text, "%.3gus", seconds * 1e6);
-  }
-  return text;
-}
-
 /// "shm was measured at 3ms"
 std::string measured(const LineCapabilities& line) {
   const auto& [round_trip, answered] = *line.latency;
@@ -38,6 +24,19 @@ bool too_unreliable(const Quality& asked, const LineCapabilities& line, Traffic 
 }
 
 }  // namespace
+
+std::string with_unit(Duration duration) {
+  const double seconds = std::chrono::duration<double>(duration).count();
+  char text[32];
+  if (duration >= std::chrono::seconds(1)) {
+    std::snprintf(text, sizeof text, "%.4gs", seconds);
+  } else if (duration >= std::chrono::milliseconds(1)) {
+    std::snprintf(text, sizeof text, "%.3gms", seconds * 1e3);
+  } else {
+    std::snprintf(text, sizeof text, "%.3gus", seconds * 1e6);
+  }
+  return text;
+}
 
 std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line,
                                   Traffic traffic) {

@@ -32,6 +32,9 @@ struct Violation {
   bool operator==(const Violation&) const = default;
 };
 
+/// Returns `duration` as users write it in an interface: "250us", "5ms", "1.2s".
+std::string with_unit(Duration duration);
+
 /// Returns the terms of `asked` that `line` does not meet for `traffic`; empty when it meets all of
 /// them. A latency term counts as met until the latency has been measured. HARD_REALTIME is checked
 /// only for the medium, not for the threads that wait for packets.

@@ -3,27 +3,16 @@
 #include <cstdio>
 
 namespace gecos::session {
-namespace {
 
-/// How long before it is due a heartbeat may be sent. Less than `tick_window`: a server in the same
-/// process then ticks once for both, and always when its client's heartbeat is due.
-constexpr Duration beat_early = std::chrono::milliseconds(20);
-
-}  // namespace
-
-// Each tick wakes the thread. To save a tick, a heartbeat that is due soon is already sent in this
-// tick, unless the medium sends heartbeats as packets.
 ConnectionMaintenance::ConnectionMaintenance(const Runtime& runtime, Parts session)
-    : heartbeat_(runtime.options().heartbeat),
-      early_(session.connection.capabilities().reliable ? beat_early : Duration{}),
+    : heartbeats_(runtime.options().heartbeat, session.connection.capabilities().reliable),
       session_(session) {}
 
 NextTick ConnectionMaintenance::on_tick(TimePoint now) {
   const CallSender& calls = session_.calls;
   if (calls.lost()) return TimePoint::max();
-  if (now + early_ >= next_beat_) {
+  if (heartbeats_.due(now)) {
     session_.connection.beat();
-    next_beat_ = now + heartbeat_;
     session_.reader.look_for_loss_soon();
   }
   session_.reader.poll_once();
@@ -31,8 +20,7 @@ NextTick ConnectionMaintenance::on_tick(TimePoint now) {
   if (!calls.lost() && !session_.server.unreachable()) judge_answers();
   if (!calls.lost()) session_.line.on_tick(now);
   if (calls.lost()) return TimePoint::max();
-  const TimePoint due = session_.calls.repeat(now, next_beat_);
-  return {due, due == next_beat_ ? early_ : Duration{}};
+  return heartbeats_.next_tick(session_.calls.repeat(now, heartbeats_.next()));
 }
 
 void ConnectionMaintenance::judge_heartbeats(TimePoint now) {

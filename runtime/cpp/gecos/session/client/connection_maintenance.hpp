@@ -3,6 +3,7 @@
 #include <string>
 
 #include "gecos/session/client/call_sender.hpp"
+#include "gecos/session/client/client_heartbeats.hpp"
 #include "gecos/session/client/connection_reader.hpp"
 #include "gecos/session/client/line_probe.hpp"
 #include "gecos/session/client/packet_receiver.hpp"
@@ -42,10 +43,8 @@ class ConnectionMaintenance final : public TickTarget {
   void judge_answers();
   std::string who() const;
 
-  const Duration heartbeat_;  ///< time between two heartbeats
-  const Duration early_;      ///< how long before it is due a heartbeat may be sent
+  ClientHeartbeats heartbeats_;
   const Parts session_;
-  TimePoint next_beat_{};
 };
 
 }  // namespace gecos::session

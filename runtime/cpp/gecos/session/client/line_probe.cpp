@@ -1,10 +1,10 @@
 #include "gecos/session/client/line_probe.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "gecos/base/log.hpp"
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/qos/match.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/own_call.hpp"
 
@@ -14,13 +14,6 @@ namespace {
 /// The longest time that the probe's clock counts between two ticks. A longer time means that this
 /// process was suspended, which says nothing about the connection.
 constexpr Duration longest_step = std::chrono::milliseconds(300);
-
-std::string in_milliseconds(Duration duration) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g ms",
-                std::chrono::duration<double, std::milli>(duration).count());
-  return text;
-}
 
 }  // namespace
 
@@ -105,13 +98,13 @@ void LineProbe::note(qos::LatencyWatch::Change change) {
     state_.degraded = watch_->degraded();
     ++state_.changes;
     text = session_.object_name() + " over " + state_.medium + ": the round trip took " +
-           in_milliseconds(*state_.round_trip);
+           qos::with_unit(*state_.round_trip);
     if (state_.degraded) {
       text += "; for one second it has exceeded latency=";
     } else {
       text += ", again within latency=";
     }
-    text += in_milliseconds(state_.bound);
+    text += qos::with_unit(state_.bound);
     state_.why = text;
   }
   changed_.notify_all();

@@ -89,8 +89,13 @@ void Maintenance::Shared::run() {
     note_suspension(clock);
     woken = judge_pause(alive) || woken;
     const TimePoint now = clock.now();
-    const TimePoint next = tick_due(targets, now, std::exchange(woken, false),
-                                    [&](std::size_t at) { return alive[at]->on_tick(now); });
+    const auto tick_one = [&](std::size_t at) { return alive[at]->on_tick(now); };
+    if (std::exchange(woken, false)) {
+      tick_all(targets, tick_one);
+    } else {
+      tick_due(targets, now, tick_one);
+    }
+    const TimePoint next = wake_at(targets);
 
     const bool idle = next == TimePoint::max();
     const auto rest =

@@ -17,8 +17,8 @@ class TickTarget {
  public:
   virtual ~TickTarget() = default;
   /// Called on the maintenance thread. Must not block and must not run a user's handler. Returns
-  /// when the next tick is due. The thread sleeps for at least `Maintenance::tick`. If it is woken,
-  /// the next tick of each target comes at once, whatever this function returned.
+  /// when the next tick is due (next_tick.hpp). The thread sleeps for at least `Maintenance::tick`.
+  /// If it is woken, the next tick of each target comes at once, whatever this function returned.
   virtual NextTick on_tick(TimePoint now) = 0;
   /// Called before `on_tick` when this process was suspended for the time `stood_still`. No call
   /// starts before this function has returned.

@@ -22,8 +22,8 @@ inline constexpr Duration heartbeat_period = std::chrono::milliseconds(100);
 /// finds is at most `tick_window` old, so the next look is due one period of heartbeats later. A
 /// heartbeat that was found at the first look may be older, so the next look is due `tick_window`
 /// earlier. A client that sends heartbeats regularly costs three looks in two periods, and each
-/// heartbeat is found within `tick_window`. Clients send a heartbeat up to 25 ms early; such a
-/// heartbeat is found within twice that time. Reads no clock. Not thread-safe.
+/// heartbeat is found within `tick_window`. A heartbeat that was sent early (client_heartbeats.hpp)
+/// is found within twice that time. Reads no clock. Not thread-safe.
 class HeartbeatLooks {
  public:
   /// Notes a look at the time `now`, which found that the client has sent `heartbeats` heartbeats.

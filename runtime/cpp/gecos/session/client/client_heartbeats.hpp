@@ -1,0 +1,38 @@
+#pragma once
+
+#include <algorithm>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/session/process/next_tick.hpp"
+
+namespace gecos::session {
+
+/// Says when a client sends its heartbeats. To save wake-ups, a heartbeat may shift by up to 10 ms
+/// to share a tick with other work of the process, unless the medium sends heartbeats as packets.
+/// Reads no clock. Not thread-safe.
+class ClientHeartbeats {
+ public:
+  static constexpr Duration longest_shift = std::chrono::milliseconds(10);
+
+  ClientHeartbeats(Duration period, bool may_shift)
+      : period_(period), shift_(may_shift ? std::min(longest_shift, period / 10) : Duration{}) {}
+
+  /// Returns whether the tick at the time `now` sends a heartbeat.
+  bool due(TimePoint now) {
+    if (now + 2 * shift_ < next_) return false;  // NextTick::shift says why twice
+    next_ = now + period_;
+    return true;
+  }
+  TimePoint next() const { return next_; }
+  /// Returns the next tick of a session whose other work is due at the time `work`.
+  NextTick next_tick(TimePoint work) const {
+    return work < next_ ? NextTick(work) : NextTick(next_, shift_);
+  }
+
+ private:
+  const Duration period_;
+  const Duration shift_;
+  TimePoint next_{};
+};
+
+}  // namespace gecos::session
