@@ -32,10 +32,11 @@ class Servant final : public gecos::Servant {
   void gecos_dispatch(IncomingCall call) override {
     std::uint64_t serial = 0;
     wire::Decoder from(call.arguments());
-    static_cast<void>(from.get(serial, "serial"));
+    // The flags may say that the body begins with a ChainReport; then the number is taken for one.
+    const bool numbered = from.get(serial, "serial");
     {
       const std::lock_guard lock(mutex_);
-      expect(started_.insert(serial).second, "a call starts at most once");
+      if (numbered) expect(started_.insert(serial).second, "a call starts at most once");
       if (moves(call.operation())) {
         expect(!moving_, "one command of an object runs at a time");
         expect(granted_.contains(call.caller().session), "a command runs under a status");

@@ -138,6 +138,8 @@ EDITS = [
 
     ("a lower class", "class=SOFT_REALTIME", "class=TIME_INDEPENDENT", "G1201"),
     ("a longer latency", 'latency="5ms"', 'latency="6ms"', "G1201"),
+    ("another end of a slow session", 'latency="5ms"', 'latency="5ms", on_degraded="fail"', "G1201"),
+    ("the default end of a slow session", 'latency="5ms"', 'latency="5ms", on_degraded="event"', ""),
     ("less reliability", "reliability=RELIABLE", "reliability=BEST_EFFORT", "G1201"),
     ("less reliability of all calls", '@qos(class=SOFT_REALTIME, latency="5ms")',
      '@qos(class=SOFT_REALTIME, latency="5ms", reliability=BEST_EFFORT)', "G1201"),

@@ -27,6 +27,7 @@ interface Arm {
   attribute double speed;
   @event @qos(start_by="1s") oneway void touched();
 };
+@qos(on_degraded="fail") interface Belt {};
 """
 
 
@@ -55,6 +56,7 @@ def test_each_term_without_effect_is_named_where_it_is_written(
         (8, "@qos(depth)"),
         (12, "@qos(deadline)"),
         (14, "@qos(start_by)"),
+        (16, "@qos(on_degraded)"),
     }
 
 
@@ -68,6 +70,8 @@ SAID = {
     "@stream; elsewhere, leave out '@bulk'",
     "@qos(liveliness)": "only the writer of a stream must show that it is alive\n"
     "leave out 'liveliness': the session shows that the caller and the server are alive",
+    "@qos(on_degraded)": "without a latency, the connection has no limit that it could exceed\n"
+    "write 'latency' and a real-time class, or leave out 'on_degraded'",
     "@qos(lifespan)": "only the samples of a stream have a lifespan\n"
     "write 'start_by' or 'deadline' to limit the age of a call",
     "@qos(depth)": "only a stream keeps earlier samples\nleave out 'depth'",
@@ -105,6 +109,21 @@ def test_the_latency_of_an_interface_binds_its_members_and_derived_interfaces_of
     )
     assert main(["check", "b.gidl"]) == 0
     assert terms(capsys.readouterr().err) == {(4, "@qos(latency)")}
+
+
+def test_on_degraded_needs_a_latency_of_the_interface_a_member_or_a_base(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "b.gidl").write_text(
+        '@qos(class=SOFT_REALTIME, on_degraded="fail") interface Arm { @sensor long angle(); };\n'
+        '@qos(class=SOFT_REALTIME, latency="5ms") interface Base {};\n'
+        '@qos(on_degraded="fail") interface Hand : Base { @sensor long angle(); };\n'
+        '@qos(on_degraded="fail") interface Belt {\n'
+        '  @sensor @qos(class=SOFT_REALTIME, latency="5ms") long speed();\n'
+        "};\n"
+    )
+    assert main(["check", "b.gidl"]) == 0
+    assert terms(capsys.readouterr().err) == {(1, "@qos(on_degraded)")}
 
 
 @pytest.mark.parametrize(

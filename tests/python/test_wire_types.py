@@ -40,6 +40,8 @@ def test_the_number_of_an_enumerator_will_do() -> None:
         (True, "True"),
         (1.0, "1.0"),
         (None, "None"),
+        (np.array([1, 0]), "array([1, 0])"),
+        (np.array([], np.int64), "array([], dtype=int64)"),
     ],
 )
 def test_a_value_of_another_type_in_place_of_an_enumerator_names_the_enumerators(

@@ -87,6 +87,29 @@ def test_a_sample_says_who_sent_it_and_how_old_it_is(dancer: Any, servant: Any) 
     assert servant.speed.next() is None
 
 
+def test_a_stream_that_is_called_says_how_to_write_it(dancer: Any) -> None:
+    with pytest.raises(
+        TypeError, match=r"speed is an inward stream; open it with `\.speed\.writer"
+    ):
+        dancer.speed(0.5)
+    assert repr(dancer.speed) == f"<inward stream speed of {dancer!r}>"
+
+
+def test_the_first_array_is_encoded_without_an_import() -> None:
+    text = (
+        "import sys\n"
+        "from types import SimpleNamespace as Fake\n"
+        "from gecos.writer import InwardAttribute\n"
+        "assert 'numpy' not in sys.modules\n"
+        "session = Fake(object_name='A', open_writer=lambda code: None)\n"
+        "stream = Fake(code=1, name='speed')\n"
+        "InwardAttribute(Fake(_gecos_session=session), Fake(stream=stream)).writer()\n"
+        "assert 'numpy' in sys.modules\n"
+    )
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
 def test_the_newest_sample_passes_over_older_ones(dancer: Any, servant: Any) -> None:
     with gecos.actor(dancer), dancer.speed.writer() as speed:
         for value in (0.5, 1.0, 1.5):

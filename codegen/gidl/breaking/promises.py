@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from gidl.breaking.report import Report
 from gidl.breaking.sides import Call
 from gidl.model import Attribute, Facts, Interface, Operation
-from gidl.model.policy import Access, OnLoss, Qos, Reliability, Stream
+from gidl.model.policy import Access, OnDegraded, OnLoss, Qos, Reliability, Stream
 
 _RELIES = "programs that rely on the old promise may fail"
 _KEEP = "keep the promise"
@@ -66,6 +66,12 @@ def _weaker(old: Qos, new: Qos) -> Iterator[str]:
     ):
         if longest is not None and (limit is None or limit > longest):
             yield f"promised a {what} of {duration(longest)} and now promises {duration(limit)}"
+    before, after = (each.on_degraded or OnDegraded.EVENT for each in (old, new))
+    if before is not after and old.latency_ns is not None:
+        yield (
+            f'promised on_degraded="{before.value}" and now promises on_degraded="{after.value}", '
+            "which acts when the connection is too slow"
+        )
     if old.depth is not None and (new.depth is None or new.depth < old.depth):
         yield f"kept {old.depth} samples and now keeps {new.depth or 'an undeclared number'}"
     if new.media is not None:

@@ -163,7 +163,8 @@ class Resolver(InterfaceResolver):
                         }
             default = None
             if parameter.default is not None:
-                found = self._argument(parameter.default, literals, inside)
+                meant = [Parameter(parameter.name.text, used, None, literals)]
+                found = self._argument(parameter.default, meant, inside)
                 if found is not None:
                     default = (
                         found.value

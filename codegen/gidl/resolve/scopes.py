@@ -26,6 +26,10 @@ TYPE_KINDS = frozenset(
 )
 
 
+# The type of all values whose declared type is an interface, and the file that declares it.
+_OBJECT_REF = "gecos::ObjectRef"
+_OBJECT_REF_FILE = "object_ref.gidl"
+
 # Maps the names of types in other languages to their names in IDL.
 _ELSEWHERE = {
     "int": "int32", "uint": "uint32", "bool": "boolean", "byte": "octet", "float32": "float",
@@ -101,6 +105,13 @@ class Names:
                 f"{kind} '{name.text}' has the name of its enclosing {scope.kind}",
                 "a declaration directly in a scope cannot have the name of the scope: rename "
                 "the declaration or the scope",
+            )
+        if scope.qualified(name.text) == _OBJECT_REF and not _file(name).endswith(_OBJECT_REF_FILE):
+            self._findings.error(
+                "G0101",
+                name.span,
+                f"'{_OBJECT_REF}' is the type of references to objects, which gidl itself declares",
+                f"rename the {kind}, or declare it in a module of your own",
             )
         known = scope.symbols.get(key)
         if known is not None and known.kind == "broken":

@@ -25,7 +25,7 @@ from gidl.model import (
 )
 from gidl.resolve.constants import Arithmetic, Computed, compute, computed, describe_kind
 from gidl.resolve.scopes import TYPE_KINDS, Names, Scope, Symbol
-from gidl.resolve.vocabulary import Applied, Vocabulary
+from gidl.resolve.vocabulary import Applied, Parameter, Vocabulary, value_hint
 from gidl.syntax.tree import (
     AnnotationUse,
     BasicType,
@@ -428,31 +428,34 @@ class ValueResolver(ABC):
         if declared.name != name and not declared.name.endswith(f"::{name}"):
             self._vocabulary.unknown(use)
             return None
-        given = []
+        given: list[tuple[str | None, Computed, Span]] = []
         for argument, expression in use.arguments:
-            literals: dict[str, Value] = {}
-            for parameter in declared.parameters:
-                if argument is None or argument.text == parameter.name:
-                    literals.update(parameter.literals)
-            value = self._argument(expression, literals, scope)
+            named = None if argument is None else argument.text
+            meant = [p for p in declared.parameters if named in (None, p.name)]
+            if named is not None and not meant:
+                self._vocabulary.report_parameter(named, declared, expression.span)
+                return None
+            value = self._argument(expression, meant, scope)
             if value is None:
                 return None
-            given.append((None if argument is None else argument.text, value, expression.span))
+            given.append((named, value, expression.span))
         bound = self._vocabulary.bind(use, declared, given)
         return None if bound is None else (bound, declared.is_ours)
 
     def _argument(
-        self, expression: Expression, literals: dict[str, Value], scope: Scope
+        self, expression: Expression, meant: list[Parameter], scope: Scope
     ) -> Computed | None:
+        """Computes an argument of an annotation. `meant`: the parameters that it may be for."""
+        literals = {key: value for parameter in meant for key, value in parameter.literals.items()}
+
         def look_up(name: ScopedName) -> Computed | None:
             if len(name.parts) == 1 and name.parts[0] in literals:
                 return computed(literals[name.parts[0]])
-            if literals and len(name.parts) == 1 and self._names.look_up(name, scope) is None:
-                known = ", ".join(k for k in literals if not k.endswith("_UNSAID"))
-                self._findings.error(
-                    "G0503", name.span, f"unknown value '{name}'", f"one of {known}"
-                )
-                return None
+            if len(name.parts) == 1 and self._names.look_up(name, scope) is None:
+                hint = value_hint(meant, str(name))
+                if hint:
+                    self._findings.error("G0503", name.span, f"unknown value '{name}'", hint)
+                    return None
             return self._constant(name, scope)
 
         return compute(expression, look_up, self._findings)

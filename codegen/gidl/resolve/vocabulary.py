@@ -7,7 +7,7 @@ annotation may annotate, so annotation_places.py lists them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
@@ -114,6 +114,7 @@ class Vocabulary:
             self._findings.error("G0501", use.span, f"'@{name}' must be written '@{name.lower()}'")
             return
         close = get_close_matches(name.lower(), list(PLACES), n=1, cutoff=0.75)
+        close = close or [known for known in PLACES if _two_are_swapped(name.lower(), known)]
         if close and name not in _STANDARD:
             self._findings.error(
                 "G0501",
@@ -185,7 +186,13 @@ class Vocabulary:
             return None
         if name in parameters:
             return parameters[name]
-        close = get_close_matches(name, list(parameters), n=1, cutoff=0.6)
+        self.report_parameter(name, declared, span)
+        return None
+
+    def report_parameter(self, name: str, declared: Declared, span: Span) -> None:
+        """Reports an argument for a parameter that `declared` does not have."""
+        parameters = [p.name for p in declared.parameters]
+        close = get_close_matches(name, parameters, n=1, cutoff=0.6)
         known = ", ".join(f"'{p}'" for p in parameters)
         hint = (
             f"did you mean '{close[0]}'?"
@@ -193,7 +200,6 @@ class Vocabulary:
             else f"the annotation has {known or 'no parameters'}"
         )
         self._findings.error("G0503", span, f"'@{declared.name}' has no parameter '{name}'", hint)
-        return None
 
     def _fit(
         self, given: Computed, parameter: Parameter, declared: Declared, span: Span
@@ -206,8 +212,10 @@ class Vocabulary:
                 return float(given.value)
             return given.value
         hint = ""
-        if parameter.literals:
-            hint = "one of " + ", ".join(parameter.literals)
+        if given.value in parameter.literals:
+            hint = f"write it without quotes: {parameter.name}={given.value}"
+        elif parameter.literals:
+            hint = value_hint([parameter], "")
         elif isinstance(parameter.type, StringType):
             single = len(declared.parameters) == 1
             shown_use = _example(declared) if single else f'{parameter.name}="..."'
@@ -264,6 +272,25 @@ def _wanted(parameter: Parameter, given: Computed) -> tuple[str, bool]:
         case _:
             fits = given.kind == "enum" and given.value in parameter.literals.values()
             return "an enumerator", fits
+
+
+def _two_are_swapped(name: str, known: str) -> bool:
+    """Returns whether `name` becomes `known` when two adjacent letters are swapped."""
+    return any(
+        f"{name[:at]}{name[at + 1]}{name[at]}{name[at + 2 :]}" == known
+        for at in range(len(name) - 1)
+    )
+
+
+def value_hint(meant: Sequence[Parameter], name: str) -> str:
+    """Returns what to write in place of the unknown name `name` as an argument for one of the
+    parameters `meant`; empty if any constant would do."""
+    literals = [each for p in meant for each in p.literals if not each.endswith("_UNSAID")]
+    if literals:
+        return f"one of {', '.join(literals)}"
+    if len(meant) == 1 and isinstance(meant[0].type, StringType):
+        return f'write it in quotes: {meant[0].name}="{name}"'
+    return ""
 
 
 def _example(declared: Declared) -> str:

@@ -54,6 +54,12 @@ def _no_real_time(declared: Declared) -> bool:
     )
 
 
+def _no_latency(declared: Declared) -> bool:
+    if not isinstance(declared, Interface):
+        return False
+    return all(each.qos.latency_ns is None for each in (declared, *declared.members))
+
+
 def _is_call(declared: Declared) -> bool:
     return isinstance(declared, Operation | Attribute) and not _is_stream(declared)
 
@@ -98,6 +104,13 @@ NO_EFFECT = (
         _no_real_time,
         "TIME_INDEPENDENT promises nothing about time",
         "write class=SOFT_REALTIME or class=HARD_REALTIME, or leave out 'latency'",
+    ),
+    Term(
+        "qos",
+        "on_degraded",
+        _no_latency,
+        "without a latency, the connection has no limit that it could exceed",
+        "write 'latency' and a real-time class, or leave out 'on_degraded'",
     ),
     Term(
         "qos",

@@ -57,6 +57,8 @@ __all__ = [
     "UnknownName",
 ]
 
+_list_ = list
+
 _BROKER_ENLIST: _Method[float | None, None] = _method(
     _Operation(0x17D413CE, "enlist", _Access.SENSOR, presence=False, hash=0xFF7A6020C83EDD81),
     takes=_values(
@@ -161,7 +163,6 @@ _BROKER_BEHIND: _Method[RevocationState, None] = _method(
     takes=_values("revoked", _layout.items(Revocation)),
     gives=RevocationState,
 )
-_list_ = list
 _BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.3","hash":"0xc75ad8ef71764b0f","members":[
 {"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has been served for longer, so ask again. Absent: the name is the server\u0027s.\nIf the server is of another user than the broker and not of root, the broker replaces the user and the host name\nin `what` by those that the kernel or a key proves.\n`admitted` says whom the program and the lab file of the server admit. A user is a visitor if no list of the\nbroker\u0027s lab file admits the user, but these lists do. A visitor finds the objects that admit this user, and may\ndo nothing else here. The lists count as long as the server has the name, or is silent and keeps it. Absent: an\nolder server, which admits no visitors.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true},{"name":"admitted","direction":"in","type":"gecos::AdmittedNames","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
 {"kind":"operation","name":"withdraw","doc":"Takes an object of the calling session off the list.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":3320558639,"hash":"0x8875f2f1fe455040"},

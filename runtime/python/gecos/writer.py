@@ -27,8 +27,23 @@ class InwardAttribute(Generic[T]):
         self._object = owner
         self._inward = inward
 
+    def __call__(self, *_given: object, **_named: object) -> NoReturn:
+        """Raises TypeError: samples are sent by a writer."""
+        name = self._inward.stream.name
+        raise TypeError(
+            f"{self._object!r}: {name} is an inward stream; open it with `.{name}.writer()` and "
+            "send samples with `send`"
+        )
+
+    def __repr__(self) -> str:
+        return f"<inward stream {self._inward.stream.name} of {self._object!r}>"
+
     def writer(self) -> Writer[T]:
         """Opens the stream. Raises ConnectionFailed or CommandFailed if this fails."""
+        # The first array that is encoded needs numpy, whose import takes 100 ms and more. A
+        # watchdog would not wait so long for the first sample.
+        import numpy  # noqa: F401
+
         session = self._object._gecos_session
         opened = session.open_writer(self._inward.stream.code)
         name = f"{session.object_name}.{self._inward.stream.name}"

@@ -269,7 +269,7 @@ TEST_F(LineFailover, WithoutAnotherMediumThatMeetsTheBoundTheSessionStays) {
   const LineState recovered = await(watch, 3);
   EXPECT_FALSE(recovered.degraded);
   EXPECT_EQ(recovered.medium, "shm");
-  EXPECT_NE(recovered.why.find("again within latency=250 ms"), std::string::npos) << recovered.why;
+  EXPECT_NE(recovered.why.find("again within latency=250ms"), std::string::npos) << recovered.why;
 }
 
 TEST_F(LineFailover, WithAStreamThatMustLoseNoSampleTheSessionStaysOffLcm) {

@@ -22,6 +22,9 @@ from gidl.targets.cpp.names import absolute, member_name
 from neutral import is_hand_written, named_fields
 from python_side import Verdict
 
+OBJECT_REF = "gecos/object_ref"
+"""Stem of the file that declares ObjectRef of our library; driver.hpp has its Form."""
+
 
 @dataclass(frozen=True)
 class Virtual:
@@ -76,7 +79,7 @@ class Program:
         ]
         lines += self._json()
         kinds = [d for d in self._model.declarations() if isinstance(d, Struct | Union | Bitset)]
-        forms = [d for d in kinds if d.name != "gecos::ObjectRef" and self._reached(d.name)]
+        forms = [d for d in kinds if self._stem(d.name) != OBJECT_REF and self._reached(d.name)]
         lines += [line for d in forms for line in self._declared(d)]
         lines += [line for d in forms for line in self._defined(d)]
         for declaration in types:

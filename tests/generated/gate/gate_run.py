@@ -96,6 +96,8 @@ def main(words: Sequence[str]) -> int:
                     print(f"──── {outcome.name}: {len(outcome.differences)} differences")
                     for text in outcome.differences[: asked.shown]:
                         print(text)
+    if compiler.refused_by_clang_alone:
+        print(f"gate: only g++ compiles {', '.join(compiler.refused_by_clang_alone)}")
     print(
         f"gate: {len(sets)} sets, {accepted} values accepted and {refused} refused by all,"
         f" {failed} sets differ"

@@ -23,6 +23,8 @@ class Scope:
     def takes(self, name: str) -> bool:
         low = name.lower()
         own = self.path[-1].lower() if self.path else ""
+        if self.path == ("gecos",) and low == "objectref":  # a type of our library
+            return False
         return low not in self.declared and low not in self.used and low != own
 
     def declare(self, name: str) -> None:

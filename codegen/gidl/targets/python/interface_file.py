@@ -71,6 +71,7 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
         tuple(import_lines(modules)),
         "_npt." in text,
         tuple(sorted(given, key=export_order)),
+        tuple(sorted({name for view in views for name in view.hidden})),
         views,
     )
 

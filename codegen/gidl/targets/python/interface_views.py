@@ -93,7 +93,7 @@ class InterfaceView:
     quality: str  # "" if the interface demands no quality
     model: str  # JSON that the object serves; "" for the built-in operations
     model_constant: str
-    hidden: tuple[str, ...]  # types that a method hides; type hints use an alias such as `_list_`
+    hidden: tuple[str, ...]  # types that a method hides
     methods: tuple[MethodTableView, ...]
     members: tuple[ProxyMemberView, ...]
     handlers: tuple[HandlerView, ...]
@@ -110,4 +110,5 @@ class InterfacesView:
     imports: tuple[str, ...]
     numpy: bool
     exported: tuple[str, ...]
+    hidden: tuple[str, ...]  # types that get an alias, such as `_list_`, which no method hides
     interfaces: tuple[InterfaceView, ...]

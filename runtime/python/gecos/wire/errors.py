@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum, IntEnum, IntFlag
+from operator import index
 from typing import Any
 
 from gecos.wire.units import Range, outside
@@ -128,8 +129,16 @@ def expect_number_of(value: object, kind: type[IntEnum] | type[IntFlag], field: 
     is no whole number."""
     if isinstance(value, kind):
         return
-    if isinstance(value, Enum | bool) or not hasattr(value, "__index__"):
+    if isinstance(value, Enum | bool) or not _is_whole(value):
         raise WrongTypeError(field, value, kind, _one_of(kind))
+
+
+def _is_whole(value: Any) -> bool:
+    try:
+        index(value)
+    except TypeError:  # an array has `__index__`, too
+        return False
+    return True
 
 
 def _one_of(kind: type[Enum]) -> str:
