@@ -1,7 +1,7 @@
 """Runs every lane of `make test`, and prints a summary line of each lane at the end.
 
 A lane is one runner (ctest, pytest, mypy, …). Lanes that use the network wait most of the time: if
-each can have a network of its own, they run beside each other, and the lanes that compile take the
+each can have a network of its own, they run beside each other, and the lane `compiler` takes the
 time of the cores that they leave. All other lanes run in turn. All lanes run even when one fails;
 the exit status is 0 exactly when all of them passed. A lane that cannot run on this machine fails:
 nothing is skipped.
@@ -62,7 +62,6 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
         for name in ("arm_file", "arm_pause", "demo", "examples", "follow", "hand_over", "plot")
     )
     documented = ("tests/docs", sdk)
-    patient = ("nice", "-n", "19", python, "-m", "pytest", "--timeout=1200")
     of_python = (*compiling, "tests/docs", "tests/system", "tests/stress")
     pytest_sum = r"^=+ .*(passed|failed|error|no tests).* =+$"
     return [
@@ -91,15 +90,18 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             ),
             r"^\d+% tests passed",
         ),
-        # Nothing in these two is timed, and both compile, so they take only the time of the cores
-        # that other lanes leave.
+        # Nothing in it is timed, so it takes only the time of the cores that other lanes leave.
         Lane(
             "compiler",
-            (*patient, f"-n{jobs}", "--dist=worksteal", *compiling),
+            (
+                *("nice", "-n", "19", python, "-m", "pytest", f"-n{jobs}", "--dist=worksteal"),
+                *("--timeout=1200", *compiling),
+            ),
             pytest_sum,
             beside=True,
         ),
-        Lane("docs", (*patient, *documented), pytest_sum, beside=True),
+        # It compiles, too, but at low priority it would keep its place among the lanes for long.
+        Lane("docs", (python, "-m", "pytest", *documented), pytest_sum, beside=True),
         # Its busy loops on every core would keep the programs of other lanes from running.
         Lane(
             "bench-peers",
@@ -215,7 +217,7 @@ def in_steps(lanes: Sequence[Lane]) -> list[list[Lane]]:
 
 
 def at_a_time(cores: int) -> int:
-    """Returns how many lanes of a step run at a time. Two of them have a low priority, and most
+    """Returns how many lanes of a step run at a time. One of them has a low priority, and most
     others wait most of the time."""
     return cores + 2 if cores > 1 else 1
 

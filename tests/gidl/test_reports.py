@@ -68,7 +68,7 @@ def test_github_gets_one_command_per_finding(
         "::error file=a%2Cb.gidl,line=1,col=12,title=gidl G0102::unknown type 'Frma'\n"
         "::warning file=a%2Cb.gidl,line=1,col=27,title=gidl G0702::'port' is a keyword of a part "
         "of IDL that .gidl does not use%0Ahelp: write '_port' for other IDL compilers: the name "
-        "stays the same\n"
+        "remains 'port'\n"
     )
 
 

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import gecos
+import numpy  # noqa: F401  (a writer imports it; the threads that it starts count from the beginning)
 
 
 class Record:
