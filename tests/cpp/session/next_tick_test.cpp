@@ -169,7 +169,7 @@ TEST(NextTick, AProcessThatUsesItsOwnObjectLooksForItsOwnHeartbeats) {
   });
 }
 
-TEST(NextTick, TwoServersThatUseEachOtherWakeNoMoreOftenThanFromFourTasks) {
+TEST(NextTick, TwoServersThatUseEachOtherWakeABoundedNumberOfTimes) {
   on_hosts([](Host host) {
     Session of_one, of_other;
     Looking one{{&of_other}}, other{{&of_one}};

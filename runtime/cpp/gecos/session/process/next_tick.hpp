@@ -30,8 +30,8 @@ struct TickTimes {
 
   NextTick next{TimePoint{}};
   bool ticked = false;  ///< in the latest tick_due() that called a target
-  int approaches =
-      0;  ///< how often its ticks became earlier since they met those of another target
+  /// How often its ticks became earlier since they met those of another target.
+  int approaches = 0;
 };
 
 /// Returns when the thread must wake: when the first tick is due, or when the second one is, if the
@@ -66,11 +66,10 @@ void approach_others(std::vector<Target>& targets) {
   const bool met = std::ranges::any_of(targets, [&](const Target& one) {
     return one.ticked && (some_are_fixed ? is_fixed(one) : &one == &*first);
   });
-  const bool alone = std::ranges::count_if(targets, &TickTimes::ticked) == 1;
   for (Target& one : targets) {
     if (!one.ticked) continue;
     if (met) {
-      one.approaches = alone ? one.approaches : 0;
+      one.approaches = 0;
     } else if (one.approaches < TickTimes::most_approaches) {
       ++one.approaches;
       one.next.due -= one.next.shift;
