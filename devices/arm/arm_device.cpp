@@ -24,8 +24,8 @@ robcl::motion::ToolLimits lower_of(const robcl::motion::ToolLimits& one,
 // an arm.
 constexpr double furthest_base = 1e7, furthest_tool = 1000;  // m
 
-/// Returns why the base or the tool, which `what` names, is too far away at `frame`. Returns
-/// nullopt if the distance is at most `furthest`.
+/// Returns why `frame` is refused, if its origin is further than `furthest` metres from the origin
+/// of its reference frame; else nullopt. `what` is the name of the frame in the text.
 std::optional<Refused> too_far(const char* what, const Frame& frame, double furthest) {
   const double away = frame.position().stableNorm();
   if (away <= furthest) return std::nullopt;

@@ -311,8 +311,8 @@ void ArmMotion::note_corner(const Link& next, const Corner& corner) {
   }
 }
 
-/// Sets the times at which the planned moves begin and end. Times at corners before the path of the
-/// chain's present plan remain unchanged.
+/// Sets the times at which the planned moves begin and end. A corner that lies before the path of
+/// the present plan keeps its times.
 void ArmMotion::set_times() {
   const Link* before = nullptr;
   for (Link* const link : links_) {

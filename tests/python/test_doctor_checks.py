@@ -298,7 +298,7 @@ def test_a_key_that_is_not_admitted_is_no_missing_broker() -> None:
             'ask the user of the broker to write users = ["ben"] below [allow] in a.toml',
         ),
         (
-            "the user of the broker has revoked this user",
+            "the user who runs the broker has revoked this user",
             "ask the user of the broker to admit this user",
         ),
     ],

@@ -311,7 +311,8 @@ def test_a_server_of_another_host_applies_a_revocation_that_it_hears_from_the_br
     lost = reader.wait_for("StreamRevoked")
     assert time.monotonic() - revoked < 5 * REVOKED_WITHIN
     assert (
-        "RAIL refuses user carl of host moor: the user of the broker has revoked this user" in lost
+        "RAIL refuses user carl of host moor: the user who runs the broker has revoked this user"
+        in lost
     )
     assert "carl@moor" in two.gecos(DESK, "keys").output(), "the folder of DESK is its user's own"
 
@@ -356,7 +357,7 @@ def test_a_server_without_a_broker_applies_a_revocation_at_its_first_contact(
     reader.tell("end")
     two.broker(CELL)
     lost = reader.wait_for("StreamRevoked")
-    assert "the user of the broker has revoked this user" in lost
+    assert "the user who runs the broker has revoked this user" in lost
 
 
 def refused_at(two: TwoHosts, host: int) -> str:

@@ -70,7 +70,7 @@ def _weaker(old: Qos, new: Qos) -> Iterator[str]:
     if before is not after and old.latency_ns is not None:
         yield (
             f'promised on_degraded="{before.value}" and now promises on_degraded="{after.value}", '
-            "which acts when the connection is too slow"
+            "so a connection that is too slow ends differently"
         )
     if old.depth is not None and (new.depth is None or new.depth < old.depth):
         yield f"kept {old.depth} samples and now keeps {new.depth or 'an undeclared number'}"

@@ -40,8 +40,8 @@ def _compare(name: str, own: Qos, facts: Facts, above: Interface, findings: Find
             "G0413",
             facts.place_of("qos"),
             f"'{name}' promises less than interface '{above.simple_name}': {said}",
-            "promise at least what the interface promises, weaken the promise of the interface, or "
-            "use another interface",
+            "give the member a quality that is at least that of its interface, weaken the quality "
+            "of the interface, or move the member to another interface",
             notes=(Note("promised here", above.facts.place_of("qos")),),
         )
 

@@ -34,8 +34,8 @@ class Sample(Generic[T]):
     value: T
     sequence: int  # increases by one with each published sample
     # The number of samples that were published after the previously read sample and before this
-    # one. The first event counts the events since the subscription. The first sample of a stream
-    # counts none.
+    # one. For the first sample of a subscription: 0 if it is a stream, and the number of events
+    # since the subscription if it is an event.
     lost: int
     stamp: float  # time of measurement for display: Unix time in s, by the server's clock
     # The time in s from measurement to reading. Setting a clock does not change the age. The age is

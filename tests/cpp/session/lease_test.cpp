@@ -42,7 +42,7 @@ TEST_P(Leases, AreDeniedWithAnAdviceToASecondProxyOfTheProgram) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().detail, Detail::Denied);
   EXPECT_NE(refused.error().text.find("; another proxy of the same program holds the status: "
-                                      "call through that proxy or its copy"),
+                                      "call through that proxy, or through a copy"),
             std::string::npos)
       << refused.error();
 }

@@ -350,7 +350,7 @@ TEST_F(Visitors, ARevokedVisitorIsSentAwayAndNotReceivedAgain) {
   revoke("- daemon@" + gecos::host_name() + "\n");
   const std::string ended = tell(daemon, "await the end");
   EXPECT_LT(std::chrono::steady_clock::now() - revoked, promised);
-  const std::string why = "the user of the broker has revoked this user";
+  const std::string why = "the user who runs the broker has revoked this user";
   EXPECT_NE(ended.find(why), std::string::npos) << ended;
   const std::string refused = tell(daemon, "look");
   EXPECT_NE(refused.find(why), std::string::npos) << refused;

@@ -13,9 +13,12 @@ from gidl.model import Interface, Model
 
 
 def class_bases(model: Model, interface: Interface) -> list[str]:
-    """Returns the scoped names of the interfaces whose classes become base classes. The list has
-    only the direct bases if Python then computes the order that all generated classes use.
-    Otherwise the list has all bases, in this order."""
+    """Returns the scoped names of the interfaces whose classes become the base classes of the class
+    of `interface`.
+
+    All generated classes search their bases in one order: that of `_ordered`. If Python computes
+    this order from the direct bases alone, the list has only the direct bases; otherwise it has all
+    bases, in this order."""
     wanted = _ordered(model, interface.all_bases)
     inherited = {name for base in interface.bases for name in model.interface(base).all_bases}
     own = _ordered(model, [name for name in interface.bases if name not in inherited])

@@ -21,7 +21,8 @@ namespace gecos::access {
 /// The maximum number of users, and of hosts, that a program may name.
 inline constexpr std::size_t most_admitted_names = 256;
 
-/// One run of a server process, as the medium proves it to the broker.
+/// Identifies one run of a server process. The broker takes these facts from the medium, not from
+/// what the server says.
 struct ServerLife {
   UserAtHost user;
   std::uint64_t boot = 0;  ///< differs after each restart of the server
@@ -56,8 +57,8 @@ class VisitorBook {
   /// another server, or another run of this server, has set the list. Returns whether the
   /// VisitorBook has changed.
   bool drop_other(const std::string& name, const ServerLife& server);
-  /// Drops the lists of the objects that do not keep their names. Returns whether a list was
-  /// dropped.
+  /// Drops the visitor list of each object for whose name `keeps_name` returns false. Returns
+  /// whether a list was dropped.
   bool keep_only(FunctionRef<bool(const std::string& name)> keeps_name);
   /// Returns whether a list names a user or a host.
   bool names_somebody() const;

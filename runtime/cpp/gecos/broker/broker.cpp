@@ -223,7 +223,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& told, double served_fo
   } else if (*before != what) {
     log_warning("broker", what.name + " moves from pid " + std::to_string(before->pid) + " on " +
                               before->hostname + " to pid " + std::to_string(what.pid) + " on " +
-                              what.hostname + ", which has served it for longer");
+                              what.hostname + ": this process has served the name for longer");
   }
   if (*provisional == Duration::zero()) return std::nullopt;
   return to_seconds(*provisional);

@@ -265,8 +265,9 @@ tl::expected<std::optional<KeyOwner>, KeyError> KeyDirectory::owner(const Public
   if (text.ends_with('\n')) text.remove_suffix(1);
   auto owner = KeyOwner::parse(text);
   if (!owner) {
-    return fail(file, "does not say whose key it is, as \"anna@desk\"; run `gecos keys add " +
-                          path_ + "/" + key.to_string() + ".public USER@HOST`");
+    return fail(
+        file, "does not name the owner of the key in the form \"anna@desk\"; run `gecos keys add " +
+                  path_ + "/" + key.to_string() + ".public USER@HOST`");
   }
   return owner;
 }

@@ -31,8 +31,8 @@ const JointValues& JointLimiter::follow(const JointValues& target, double cycle)
   return joints_;
 }
 
-/// A speed that is allowed in this cycle may fall by one cycle's acceleration in the next cycle,
-/// and the lower speed is then allowed too. Therefore `slowest` never exceeds `fastest`.
+/// Moves one joint for one cycle. `slowest` never exceeds `fastest`: if a speed is allowed in one
+/// cycle, that speed less one cycle's braking is allowed in the next cycle.
 void JointLimiter::follow(Eigen::Index axis, double target, double cycle) {
   const arm::JointLimits& limits = limits_[static_cast<std::size_t>(axis)];
   const double here = joints_[axis], now = speeds_[axis];

@@ -95,7 +95,8 @@ double half_overlap(double unhindered, double last, double next) {
   return half;
 }
 
-/// Returns the line of `move`, which begins at the place `start`. @pre `move` has a line.
+/// Returns the straight line that the tool follows during `move`. `start`: the place on the path
+/// where the move begins. @pre `move` has a line.
 LineOnPath line_of(const Move& move, double start) {
   return {*move.line, move.flange_from_tool, start, move.duration()};
 }

@@ -184,9 +184,9 @@ double Traversal::go_on(double u, double seconds) {
   return seconds - lasts;
 }
 
-/// Returns whether the motion can follow the time law from here: it has the speed of the time law,
-/// and its acceleration may change to each value that the time law has within a window. @pre the
-/// motion is at a knot.
+/// Returns whether the motion can follow the time law from here. It can if it has the speed of the
+/// time law, and if its acceleration can reach every acceleration that the time law has during the
+/// next `Smoothing::window` seconds. @pre the motion is at a knot.
 bool Traversal::can_follow_law() const {
   constexpr double rounding = 1e-6;  // relative
   const TimeLaw& law = plan().law;

@@ -53,7 +53,7 @@ def init(address: str | None, port: int, minutes: float, owner: str | None, as_j
     else:
         print(f"{party.owner} asks to join, with the key {key_folder.fingerprint(party.key)}")
         print("compare this fingerprint with the one that `gecos join` printed;")
-        print(f"if they are equal, run: gecos approve {party.owner}")
+        print(f"if both fingerprints are equal, run: gecos approve {party.owner}")
 
 
 @click.command()

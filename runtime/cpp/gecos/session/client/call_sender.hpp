@@ -44,8 +44,8 @@ class CallSender {
   /// Sends `command` as a call with `header` and with the arguments of `size` bytes that `encode`
   /// writes. Sets session, counter and acknowledgement in `header`. With an actor command, also
   /// sends what the program knows of earlier commands (SeenFailures). Fails with Full when `most`
-  /// calls are open. `attach_to`: the session, for a command that may be sent in several sessions;
-  /// null for other commands.
+  /// calls are open. If `command` may be sent in several sessions, `attach_to` is this session, to
+  /// which the command then belongs; for other commands it is null.
   tl::expected<void, media::SendProblem> send(wire::PacketHeader& header, std::size_t most,
                                               std::size_t size,
                                               FunctionRef<void(wire::Encoder&)> encode,

@@ -150,7 +150,7 @@ AccessControl::Judgement AccessControl::judge_visitor(const std::string& object,
   if (!shown) return refused;
   if (visitors_->book.revoked(peer.key, who)) {
     return {false, false, who,
-            refusal_of(object, who) + "the user of the broker has revoked this user"};
+            refusal_of(object, who) + "the user who runs the broker has revoked this user"};
   }
   return {true, false, who,
           object + " admits user " + who.user + " of host " + who.host +
@@ -231,7 +231,7 @@ AccessControl::Judgement AccessControl::judge_by_lists(const std::string& object
     const access::UserAtHost who = user_of(peer, host);
     if (contact_->revokes(peer.key, who)) {
       return {false, false, who,
-              refusal_of(object, who) + "the user of the broker has revoked this user"};
+              refusal_of(object, who) + "the user who runs the broker has revoked this user"};
     }
     if (is_of_server(peer)) return {};
     const MutexLock lock(mutex_);

@@ -40,8 +40,8 @@ std::string through_other_proxy(const CallRequest& call, const access::LeaseTabl
            holder.client.host == caller.host && holder.client.user == caller.user;
   };
   if (!std::ranges::any_of(leases.roster(), is_caller)) return {};
-  return "; another proxy of the same program holds the status: call through that proxy or its "
-         "copy";
+  return "; another proxy of the same program holds the status: call through that proxy, or "
+         "through a copy of that proxy object";
 }
 
 Failure denied(const access::Denial& denial, const CallRequest& call,
