@@ -1,7 +1,7 @@
 """Writes the names that system headers define outside of all namespaces: generated C++ calls
 nothing as a macro, and nothing at the top as a function, type or constant of the C library.
 
-    tools/cpp_names_of_headers.py > codegen/gidl/layout/cpp_names_of_headers.txt
+    tools/cpp_names_of_headers.py > codegen/gidl/names/cpp_names_of_headers.txt
 
 The headers are those of C++20, and of POSIX those that programs beside a robot are likely to
 include before generated code. Compilers and systems differ: names only ever come to the file.

@@ -57,17 +57,22 @@ ROWS = (
         _gidl("diagnostics", "model", "files", "syntax", "resolve"),
         "resolve -> files, syntax, model",
     ),
-    _row(_gidl("layout"), _gidl("diagnostics", "model", "layout", *_NAMES), "wire layout -> model"),
+    _row(
+        _gidl("names"),
+        _gidl("diagnostics", "model", "names", *_NAMES),
+        "names in generated code -> model",
+    ),
+    _row(_gidl("wire"), _gidl("model", "names", "wire", *_NAMES), "wire layout -> names, model"),
     _row(_gidl("rules"), _gidl("diagnostics", "model", "rules"), "rules -> model"),
     _row(
         r"gidl\.targets\.emit",
-        r"jinja2(\..*)?|" + _gidl("targets", "layout", "model"),
+        r"jinja2(\..*)?|" + _gidl("targets", "wire", "model"),
         "cli -> emit -> targets",
     ),
     _row(
         _gidl("targets"),
-        _gidl("targets", "layout", "model", *_NAMES),
-        "targets -> layout -> model",
+        _gidl("targets", "wire", "names", "model", *_NAMES),
+        "targets -> wire, names -> model",
     ),
     _row(r"gidl(\..*)?", r"gidl(\..*)?", _COMPILER),
     _row(

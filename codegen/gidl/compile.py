@@ -13,10 +13,10 @@ from gidl.diagnostics.source import Source
 from gidl.files.loader import Loader, default_search
 from gidl.files.missing_include import point_at_includes
 from gidl.files.names import same_files
-from gidl.layout.function_codes import codes_of
 from gidl.model import Model
 from gidl.resolve.files import resolve
 from gidl.rules import check_all
+from gidl.wire.function_codes import codes_of
 
 
 @dataclass(frozen=True, slots=True)

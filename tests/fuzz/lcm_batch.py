@@ -18,10 +18,10 @@ from typing import Any
 from gecos import wire
 from gidl.diagnostics.findings import Findings
 from gidl.files.loader import Loader
-from gidl.layout import wire_layout
-from gidl.layout.wire_layout import Layout
 from gidl.model import Model, Struct
 from gidl.resolve.files import resolve
+from gidl.wire import wire_layout
+from gidl.wire.wire_layout import Layout
 from lcm_converter import program
 from paired_values import PairedValues
 from random_idl import Author

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gidl.layout.lcm_lowering import LcmStruct
-from gidl.layout.wire_layout import Layout
 from gidl.model import Model, Struct, Union
 from gidl.targets.cpp.names import member_name, type_name
+from gidl.wire.lcm_lowering import LcmStruct
+from gidl.wire.wire_layout import Layout
 
 
 def program(model: Model, layout: Layout, stem: str, prefix: str, structs: list[str]) -> str:

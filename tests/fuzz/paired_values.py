@@ -13,9 +13,6 @@ from random import Random
 from typing import Any
 
 import numpy as np
-from gidl.layout.lcm_lowering import LcmMember, LcmStruct, Lowering
-from gidl.layout.wire_layout import Layout, node_of
-from gidl.layout.wire_nodes import AppendableNode, UnionNode
 from gidl.model import (
     ArrayType,
     Bitmask,
@@ -37,6 +34,9 @@ from gidl.model import (
     within,
 )
 from gidl.targets.python import names
+from gidl.wire.lcm_lowering import LcmMember, LcmStruct, Lowering
+from gidl.wire.wire_layout import Layout, node_of
+from gidl.wire.wire_nodes import AppendableNode, UnionNode
 
 Pair = tuple[Any, Any]
 DTYPES = {

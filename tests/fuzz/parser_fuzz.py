@@ -31,10 +31,10 @@ def check(data: bytes, place: Path) -> None:
     """Compiles one input and everything that follows; raises whatever escapes."""
     from gidl.compile import compile_files
     from gidl.diagnostics.findings import Findings, as_json, as_text
-    from gidl.layout import hashes, wire_layout
-    from gidl.layout.events import events_as_streams
     from gidl.omg import DIALECTS, omg_text
     from gidl.targets.model_json import model_text
+    from gidl.wire import hashes, wire_layout
+    from gidl.wire.events import events_as_streams
 
     place.write_bytes(data[:LONGEST])
     started = time.process_time()

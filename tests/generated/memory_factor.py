@@ -6,11 +6,11 @@ holds itself comes on top. Elements of no width are bounded in number, so they c
 
 from __future__ import annotations
 
-from gidl.layout import wire_layout
-from gidl.layout.wire_layout import min_size_of, node_of
 from gidl.model import ArrayType, MapType, Model, NamedType, SequenceType, StringType, Struct, Type
 from gidl.model import Union as UnionDeclaration
 from gidl.targets.cpp.lowering import Lowering
+from gidl.wire import wire_layout
+from gidl.wire.wire_layout import min_size_of, node_of
 from type_values import value_type
 
 MAX_DEPTH = 16

@@ -10,10 +10,10 @@ from gecos.proxy import Object
 from gecos.servant import Servant
 from generating import TREE
 from gidl.compile import compile_files
-from gidl.layout import wire_layout
 from gidl.targets.cpp import names as cpp
 from gidl.targets.emit import render
 from gidl.targets.python import names as python
+from gidl.wire import wire_layout
 
 
 def sources(folder: Path, text: str) -> dict[str, str]:

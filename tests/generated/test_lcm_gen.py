@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from gidl.layout import wire_layout
-from gidl.layout.wire_layout import Layout
 from gidl.model import Model
+from gidl.wire import wire_layout
+from gidl.wire.wire_layout import Layout
 from type_values import TREE, Case, cases, python_type
 
 CASES = cases()

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from generating import TREE, generate
-from gidl.layout.languages import CPP_TYPES, CPP_WORDS
+from gidl.names.languages import CPP_TYPES, CPP_WORDS
 from gidl.syntax.keywords import CPP, USED_BY_LOWER
 from names_in_use import members_file, types_file
 

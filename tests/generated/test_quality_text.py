@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from gecos.interface import OnDegraded
 from gidl.compile import compile_files
-from gidl.layout import wire_layout
-from gidl.layout.events import events_as_streams
 from gidl.model.policy import Reliability
 from gidl.targets.emit import render
+from gidl.wire import wire_layout
+from gidl.wire.events import events_as_streams
 
 
 def generated(folder: Path, on_degraded: str) -> dict[str, str]:

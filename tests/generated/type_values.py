@@ -23,8 +23,6 @@ from typing import Any
 
 from gidl.diagnostics.findings import Findings
 from gidl.files.loader import Loader
-from gidl.layout import wire_layout
-from gidl.layout.events import events_as_streams
 from gidl.model import (
     ArrayType,
     Bitmask,
@@ -50,6 +48,8 @@ from gidl.targets.cpp.names import member_name
 from gidl.targets.cpp.type_text import PRIMITIVES
 from gidl.targets.python import names as python_names
 from gidl.targets.python.homes import Homes
+from gidl.wire import wire_layout
+from gidl.wire.events import events_as_streams
 
 TREE = Path(__file__).resolve().parents[2]
 VECTORS = TREE / "tests" / "vectors" / "types.json"

@@ -6,9 +6,9 @@ import json
 import sys
 from pathlib import Path
 
-from gidl.layout import wire_layout
 from gidl.model import Model, NamedType
 from gidl.targets.cpp.lowering import Lowering
+from gidl.wire import wire_layout
 from memory_factor import MemoryFactors
 from type_values import CppWriter, cases, load
 

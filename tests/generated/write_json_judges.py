@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from gidl.layout import wire_layout
 from gidl.model import Model
 from gidl.targets.cpp.lowering import Lowering
+from gidl.wire import wire_layout
 from type_values import cases, load
 
 HELPERS = r"""

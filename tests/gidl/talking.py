@@ -16,9 +16,9 @@ from evolving import Lab, Slot
 from gecos.errors import CommandFailed, Detail
 from gidl.breaking import category_of, compare
 from gidl.compile import Compiled, compile_files
-from gidl.layout import hashes, wire_layout
 from gidl.model import Model
 from gidl.targets.emit import render
+from gidl.wire import hashes, wire_layout
 
 ROUNDS = 20  # of calls in each direction
 Values = dict[str, Any]

@@ -17,9 +17,9 @@ from gidl.cli.main import main
 from gidl.compile import compile_files, room_for_nesting
 from gidl.fmt import UnreadableError, layout
 from gidl.fmt.pieces import scan
-from gidl.layout import wire_layout
-from gidl.layout.events import events_as_streams
 from gidl.targets.model_json import model_text
+from gidl.wire import wire_layout
+from gidl.wire.events import events_as_streams
 from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st
 

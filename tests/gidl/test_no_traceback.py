@@ -7,9 +7,9 @@ import pytest
 from gidl.cli.main import main
 from gidl.compile import Compiled, compile_files
 from gidl.diagnostics.findings import as_json, as_text
-from gidl.layout import hashes, wire_layout
-from gidl.layout.events import events_as_streams
 from gidl.targets.model_json import model_text
+from gidl.wire import hashes, wire_layout
+from gidl.wire.events import events_as_streams
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 

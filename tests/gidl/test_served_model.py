@@ -7,10 +7,10 @@ import re
 from pathlib import Path
 
 from gidl.compile import compile_files
-from gidl.layout.events import events_as_streams
-from gidl.layout.wire_layout import build
 from gidl.targets.emit import render
 from gidl.targets.served_model import served_model
+from gidl.wire.events import events_as_streams
+from gidl.wire.wire_layout import build
 
 TEXT = """
 module lab {

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from gidl.cli.main import main
 from gidl.compile import compile_files
-from gidl.layout.languages import CPP_TYPES, PYTHON_TYPES
-from gidl.layout.type_names import Language, TypeNames, name_types
+from gidl.names.languages import CPP_TYPES, PYTHON_TYPES
+from gidl.names.type_names import Language, TypeNames, name_types
 
 
 def named(folder: Path, language: Language, **files: str) -> TypeNames:

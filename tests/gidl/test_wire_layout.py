@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 from gidl.compile import compile_files
-from gidl.layout import function_codes, hashes, wire_layout
-from gidl.layout.events import events_as_streams
 from gidl.model import Attribute, Model, Operation, Struct, Union
 from gidl.targets.emit import render
+from gidl.wire import function_codes, hashes, wire_layout
+from gidl.wire.events import events_as_streams
 
 IDL = Path(__file__).resolve().parents[2] / "idl"
 GOOD = Path(__file__).parent / "good"

@@ -17,9 +17,6 @@ for folder in ("codegen", "tests/generated", "tests/generated/gate"):
 from generating import generate as generate  # noqa: E402  (found by the lines above)
 from gidl.compile import compile_files  # noqa: E402
 from gidl.files.names import python_module as python_module  # noqa: E402
-from gidl.layout.events import events_as_streams  # noqa: E402
-from gidl.layout.wire_layout import CallKind as CallKind  # noqa: E402
-from gidl.layout.wire_layout import CallLayout, Layout, build  # noqa: E402
 from gidl.model import (  # noqa: E402
     ArrayType,
     Bitmask,
@@ -39,6 +36,9 @@ from gidl.model import (  # noqa: E402
 )
 from gidl.targets.python import names as names  # noqa: E402
 from gidl.targets.served_model import served_model  # noqa: E402
+from gidl.wire.events import events_as_streams  # noqa: E402
+from gidl.wire.wire_layout import CallKind as CallKind  # noqa: E402
+from gidl.wire.wire_layout import CallLayout, Layout, build  # noqa: E402
 from making import Making  # noqa: E402
 from neutral import Slot, arms, chosen, element, members, named_fields, settled  # noqa: E402
 from opinion import rounded  # noqa: E402

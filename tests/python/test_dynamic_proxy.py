@@ -18,8 +18,8 @@ from gecos.dynamic_client import names as dynamic_names
 from gecos.dynamic_client.proxy import _Builder
 from gecos.interface import Method
 from gecos.wire import DecodeError, Decoder, EncodeError, to_bytes
-from gidl.layout.languages import PYTHON_WORDS
-from gidl.layout.type_names import escaped
+from gidl.names.languages import PYTHON_WORDS
+from gidl.names.type_names import escaped
 from robcl.frames import Frame
 from robcl.laser_distance_sensor import Distance, LaserDistanceSensorServant, SensorFault
 from served_models import load, names, served

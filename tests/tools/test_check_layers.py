@@ -165,12 +165,12 @@ def test_a_file_in_no_module_is_found(path: str) -> None:
 @pytest.mark.parametrize(
     ("path", "statement", "named"),
     [
-        ("codegen/gidl/model/types.py", "from gidl.layout import wire_layout", "gidl.layout"),
+        ("codegen/gidl/model/types.py", "from gidl.wire import wire_layout", "gidl.wire"),
         ("codegen/gidl/model/types.py", "from ..syntax.tree import Struct", "gidl.syntax.tree"),
         ("codegen/gidl/syntax/parser.py", "import gidl.resolve.files", "gidl.resolve"),
-        ("codegen/gidl/resolve/types.py", "from gidl.layout import hashes", "gidl.layout"),
+        ("codegen/gidl/resolve/types.py", "from gidl.wire import hashes", "gidl.wire"),
         (
-            "codegen/gidl/layout/wire_layout.py",
+            "codegen/gidl/wire/wire_layout.py",
             "from ..targets.cpp import view",
             "gidl.targets.cpp",
         ),

@@ -5,9 +5,9 @@ from __future__ import annotations
 from gidl.breaking import promises, slots
 from gidl.breaking.report import Report
 from gidl.breaking.sides import Call, Sides, reached
-from gidl.layout import hashes
-from gidl.layout.function_codes import call_code, hashed_name
 from gidl.model import Attribute, Interface, Operation, Type
+from gidl.wire import hashes
+from gidl.wire.function_codes import call_code, hashed_name
 
 _REFUSED = "old and new programs refuse each other's calls of the changed operation or attribute"
 _BESIDE = "keep the old declaration, and add a new declaration with another name"

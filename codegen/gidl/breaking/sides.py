@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from gidl.layout.function_codes import hashed_name, member_name
-from gidl.layout.wire_layout import node_of
-from gidl.layout.wire_nodes import ArrayNode, MapNode, Node, ScalarNode, SequenceNode
 from gidl.model import (
     AnnotationDeclaration,
     AnyDeclaration,
@@ -30,6 +27,9 @@ from gidl.model import (
 )
 from gidl.model.types import named_in
 from gidl.rules.walk import slots
+from gidl.wire.function_codes import hashed_name, member_name
+from gidl.wire.wire_layout import node_of
+from gidl.wire.wire_nodes import ArrayNode, MapNode, Node, ScalarNode, SequenceNode
 
 Call = Operation | Attribute
 Slot = Member | Parameter

@@ -39,8 +39,8 @@ from gidl.compile import Compiled
 from gidl.diagnostics.findings import Finding, Findings, Severity
 from gidl.files.loader import absolute
 from gidl.files.names import same_modules, source_stem
-from gidl.layout.same_names import same_names
 from gidl.model import Location
+from gidl.names.same_names import same_names
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -218,10 +218,10 @@ def _not_written(problem: OSError) -> Finding:
 def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:
     """Returns the generated files, as a map from the path below the output folder to the text.
     Raises UnsupportedError."""
-    from gidl.layout import wire_layout
-    from gidl.layout.events import events_as_streams
     from gidl.targets.emit import render
     from gidl.targets.model_json import file_text
+    from gidl.wire import wire_layout
+    from gidl.wire.events import events_as_streams
 
     model = events_as_streams(compiled.model)
     layout = wire_layout.build(model)

@@ -199,10 +199,10 @@ def _dump(chosen: argparse.Namespace) -> int:
 
 
 def _dumped(chosen: argparse.Namespace, compiled: Compiled, findings: Findings) -> str:
-    from gidl.layout import wire_layout
-    from gidl.layout.events import events_as_streams
     from gidl.omg import omg_text
     from gidl.targets.model_json import model_text
+    from gidl.wire import wire_layout
+    from gidl.wire.events import events_as_streams
 
     if chosen.omg is not None:
         return omg_text(compiled.model, chosen.omg, chosen.whole, findings)

@@ -12,9 +12,9 @@ from string import Template
 from gidl.compile import Compiled, compile_files
 from gidl.files.loader import absolute
 from gidl.files.names import source_stem
-from gidl.layout import wire_layout
-from gidl.layout.events import events_as_streams
 from gidl.model import Interface
+from gidl.wire import wire_layout
+from gidl.wire.events import events_as_streams
 
 _STARTING_POINT = Path(__file__).parent / "starting_point"
 _FILES = {

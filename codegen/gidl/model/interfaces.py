@@ -109,7 +109,7 @@ class Attribute:
     bulk: bool = False
     id: int | None = None
     # The event that this attribute stands for; None for other attributes. The samples of the stream
-    # are the parameters of the event: see gidl.layout.events.
+    # are the parameters of the event: see gidl.wire.events.
     event: Operation | None = None
 
     @property

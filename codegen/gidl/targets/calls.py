@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from gidl.layout.wire_layout import CallLayout, Layout
 from gidl.model import (
     BUILT_IN,
     AnyDeclaration,
@@ -28,6 +27,7 @@ from gidl.model import (
 )
 from gidl.targets.naming import UnsupportedError
 from gidl.targets.reach import named_types
+from gidl.wire.wire_layout import CallLayout, Layout
 
 
 @dataclass(frozen=True, slots=True)

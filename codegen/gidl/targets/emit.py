@@ -8,17 +8,17 @@ from pathlib import Path
 
 import jinja2
 
-from gidl.layout.wire_layout import Layout
 from gidl.model import Interface, Model
 from gidl.targets.cpp import mock as cpp_mock
 from gidl.targets.cpp import view as cpp
 from gidl.targets.cpp.lowering import Lowering as CppLowering
 from gidl.targets.groups import group
-from gidl.targets.layout import laid_out
 from gidl.targets.lcm import view as lcm
+from gidl.targets.line_breaks import laid_out
 from gidl.targets.naming import OutputFile, UnsupportedError
 from gidl.targets.python import mock as python_mock
 from gidl.targets.python import view as python
+from gidl.wire.wire_layout import Layout
 
 __all__ = ["LANGUAGES", "UnsupportedError", "render", "render_mock"]
 

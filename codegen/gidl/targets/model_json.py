@@ -10,7 +10,6 @@ import json
 from dataclasses import fields
 from enum import Enum, IntEnum
 
-from gidl.layout.wire_layout import CallKind, Layout
 from gidl.model import (
     Annotation,
     AnnotationDeclaration,
@@ -44,6 +43,7 @@ from gidl.model import (
     Value,
 )
 from gidl.model.policy import Qos, Stream
+from gidl.wire.wire_layout import CallKind, Layout
 
 Json = dict[str, object]
 

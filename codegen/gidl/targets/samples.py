@@ -5,16 +5,6 @@ from __future__ import annotations
 
 import math
 
-from gidl.layout.wire_layout import node_of
-from gidl.layout.wire_nodes import (
-    AppendableNode,
-    ArrayNode,
-    EnumNode,
-    Node,
-    ScalarNode,
-    StructNode,
-    UnionNode,
-)
 from gidl.model import (
     EnumDeclaration,
     Model,
@@ -22,6 +12,16 @@ from gidl.model import (
     Range,
     Union,
     UnionCase,
+)
+from gidl.wire.wire_layout import node_of
+from gidl.wire.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    Node,
+    ScalarNode,
+    StructNode,
+    UnionNode,
 )
 
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 
-from gidl.layout.wire_layout import Layout
 from gidl.model import (
     BUILT_IN,
     Attribute,
@@ -22,6 +21,7 @@ from gidl.model import (
 )
 from gidl.targets.model_json import declaration_json
 from gidl.targets.reach import named_types, reached_types
+from gidl.wire.wire_layout import Layout
 
 
 def served_model(model: Model, layout: Layout, interface: Interface) -> str:

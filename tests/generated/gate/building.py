@@ -17,11 +17,11 @@ from typing import Any
 from cpp_side import Program
 from gidl.compile import compile_files
 from gidl.files.names import source_stem
-from gidl.layout import wire_layout
-from gidl.layout.events import events_as_streams
-from gidl.layout.wire_layout import Layout
 from gidl.model import Model
 from gidl.targets.emit import UnsupportedError, render
+from gidl.wire import wire_layout
+from gidl.wire.events import events_as_streams
+from gidl.wire.wire_layout import Layout
 
 HERE = Path(__file__).resolve().parent
 TREE = HERE.parents[2]

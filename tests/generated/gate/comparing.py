@@ -11,8 +11,8 @@ from typing import Any
 from compare_json import changed
 from compare_verdicts import mutated
 from cpp_side import Asked, Program
-from gidl.layout.wire_layout import Layout
 from gidl.model import Attribute, Interface, Model, NamedType, Operation
+from gidl.wire.wire_layout import Layout
 from making import TOKEN, Making
 from neutral import Slot, has_nan, raw
 from opinion import WRONG_ARM, WRONG_BITS, Opinion

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import spelled
 from gidl.files.names import source_stem
-from gidl.layout.wire_layout import Layout
 from gidl.model import Attribute, Bitset, Interface, Model, Struct, Union
 from gidl.targets.cpp.names import absolute, member_name
+from gidl.wire.wire_layout import Layout
 from neutral import is_hand_written, named_fields
 from python_side import Verdict
 

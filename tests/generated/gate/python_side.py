@@ -20,7 +20,6 @@ from gecos.errors import DeclaredError
 from gecos.interface import Method
 from gecos.proxy import StreamAttribute
 from gidl.files.names import python_module
-from gidl.layout.wire_layout import Layout
 from gidl.model import (
     ArrayType,
     Bitmask,
@@ -38,6 +37,7 @@ from gidl.model import (
     Union,
 )
 from gidl.targets.python import names
+from gidl.wire.wire_layout import Layout
 from neutral import (
     REFERENCE,
     Slot,

@@ -6,9 +6,9 @@ from importlib import import_module
 from typing import Any
 
 from gidl.files.names import python_module
-from gidl.layout.type_names import TypeName
-from gidl.layout.wire_layout import Layout
 from gidl.model import Model, Struct
+from gidl.names.type_names import TypeName
+from gidl.wire.wire_layout import Layout
 
 
 def cpp(model: Model, layout: Layout, name: str) -> str:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from gidl.layout.languages import CPP_WORDS
-from gidl.layout.type_names import escaped
-from gidl.layout.wire_layout import CallKind, CallLayout, FieldLayout
 from gidl.model import (
     Attribute,
     Interface,
     Operation,
 )
+from gidl.names.languages import CPP_WORDS
+from gidl.names.type_names import escaped
 from gidl.targets.calls import (
     CallValue,
     attribute_value,
@@ -29,6 +28,7 @@ from gidl.targets.naming import (
     LocalNames,
     value_note,
 )
+from gidl.wire.wire_layout import CallKind, CallLayout, FieldLayout
 
 # Names of the members of every generated class that describes an interface.
 _DESCRIPTION = ("bases", "description", "inherits", "inward_streams", "operations", "streams")

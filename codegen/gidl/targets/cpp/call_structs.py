@@ -8,22 +8,8 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby
 
 from gidl.files.names import source_stem
-from gidl.layout.type_names import TypeName
-from gidl.layout.wire_layout import CallKind, CallLayout, FieldLayout, min_size_of
-from gidl.layout.wire_nodes import (
-    AppendableNode,
-    ArrayNode,
-    MapNode,
-    Node,
-    ObjectNode,
-    OptionalNode,
-    ScalarNode,
-    SequenceNode,
-    StringNode,
-    StructNode,
-    UnionNode,
-)
 from gidl.model import Attribute, File, Interface, Operation
+from gidl.names.type_names import TypeName
 from gidl.targets.calls import (
     CallValue,
     attribute_value,
@@ -42,6 +28,20 @@ from gidl.targets.cpp.structs import Structs
 from gidl.targets.cpp.type_text import PRIMITIVES
 from gidl.targets.cpp.type_views import FieldView
 from gidl.targets.groups import WIDTH, call, flat, group
+from gidl.wire.wire_layout import CallKind, CallLayout, FieldLayout, min_size_of
+from gidl.wire.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    MapNode,
+    Node,
+    ObjectNode,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from gidl.layout.wire_layout import CallKind, CallLayout, FieldLayout
 from gidl.model import (
     Attribute,
     Operation,
@@ -24,6 +23,7 @@ from gidl.targets.groups import group
 from gidl.targets.naming import (
     value_note,
 )
+from gidl.wire.wire_layout import CallKind, CallLayout, FieldLayout
 
 
 class Client(CallFacts):

@@ -7,8 +7,13 @@ gecos/wire/fields.hpp.
 
 from __future__ import annotations
 
-from gidl.layout.wire_layout import min_size_of
-from gidl.layout.wire_nodes import (
+from gidl.targets.cpp.names import Locals
+from gidl.targets.cpp.ranges import bounds, limits_text
+from gidl.targets.cpp.statements import indented, of, quoted, with_lambda
+from gidl.targets.cpp.type_text import Slot, Types, is_bulk
+from gidl.targets.groups import call
+from gidl.wire.wire_layout import min_size_of
+from gidl.wire.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -22,11 +27,6 @@ from gidl.layout.wire_nodes import (
     StructNode,
     UnionNode,
 )
-from gidl.targets.cpp.names import Locals
-from gidl.targets.cpp.ranges import bounds, limits_text
-from gidl.targets.cpp.statements import indented, of, quoted, with_lambda
-from gidl.targets.cpp.type_text import Slot, Types, is_bulk
-from gidl.targets.groups import call
 
 
 class Reading(Types):

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from itertools import dropwhile
 
-from gidl.layout.wire_layout import min_size_of
-from gidl.layout.wire_nodes import (
+from gidl.targets.cpp.names import Locals
+from gidl.targets.cpp.statements import block, loop, of, rows
+from gidl.targets.cpp.type_text import Slot, Types
+from gidl.wire.wire_layout import min_size_of
+from gidl.wire.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -20,9 +23,6 @@ from gidl.layout.wire_nodes import (
     StructNode,
     UnionNode,
 )
-from gidl.targets.cpp.names import Locals
-from gidl.targets.cpp.statements import block, loop, of, rows
-from gidl.targets.cpp.type_text import Slot, Types
 
 
 class Sizes(Types):

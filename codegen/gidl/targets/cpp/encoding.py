@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from gidl.layout.wire_nodes import (
+from gidl.model import (
+    Bitset,
+    Primitive,
+)
+from gidl.targets.cpp.names import Locals
+from gidl.targets.cpp.statements import block, loop, of
+from gidl.targets.cpp.type_text import PRIMITIVES, Slot, Types, is_bulk
+from gidl.wire.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -16,13 +23,6 @@ from gidl.layout.wire_nodes import (
     StructNode,
     UnionNode,
 )
-from gidl.model import (
-    Bitset,
-    Primitive,
-)
-from gidl.targets.cpp.names import Locals
-from gidl.targets.cpp.statements import block, loop, of
-from gidl.targets.cpp.type_text import PRIMITIVES, Slot, Types, is_bulk
 
 
 class Writing(Types):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import textwrap
 
-from gidl.layout.languages import CPP_BITSET_WORDS, CPP_WORDS
-from gidl.layout.type_names import escaped
 from gidl.model import (
     Bitmask,
     Bitset,
     EnumDeclaration,
     Primitive,
 )
+from gidl.names.languages import CPP_BITSET_WORDS, CPP_WORDS
+from gidl.names.type_names import escaped
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.name_lookup import ValueNames
 from gidl.targets.cpp.statements import block, quoted, rows

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from gidl.files.names import source_stem
-from gidl.layout.wire_layout import CallKind
 from gidl.model import (
     BUILT_IN,
     Attribute,
@@ -34,6 +33,7 @@ from gidl.targets.cpp.interface_views import (
 from gidl.targets.cpp.lowering import Lowering
 from gidl.targets.cpp.servant_handlers import ServerSide
 from gidl.targets.served_model import served_model
+from gidl.wire.wire_layout import CallKind
 
 
 def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import (
     Attribute,
     Operation,
@@ -24,6 +23,7 @@ from gidl.targets.calls import (
 from gidl.targets.cpp.call_facts import CallFacts, hex32, hex64
 from gidl.targets.cpp.interface_views import InwardRow, OperationRow, StreamRow
 from gidl.targets.groups import WIDTH
+from gidl.wire.wire_layout import CallKind, CallLayout
 
 
 class Tables(CallFacts):

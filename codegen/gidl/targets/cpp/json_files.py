@@ -6,8 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from gidl.files.names import source_stem
-from gidl.layout.languages import CPP_BITSET_WORDS, CPP_WORDS
-from gidl.layout.type_names import escaped
 from gidl.model import (
     AnyDeclaration,
     Bitmask,
@@ -18,6 +16,8 @@ from gidl.model import (
     Member,
     Struct,
 )
+from gidl.names.languages import CPP_BITSET_WORDS, CPP_WORDS
+from gidl.names.type_names import escaped
 from gidl.targets.calls import passes_objects, result_struct
 from gidl.targets.cpp import names
 from gidl.targets.cpp.lowering import Lowering

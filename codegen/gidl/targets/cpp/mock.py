@@ -7,10 +7,6 @@ from dataclasses import dataclass
 from functools import partial
 
 from gidl.files.names import source_stem
-from gidl.layout.languages import CPP_TYPES, CPP_WORDS
-from gidl.layout.type_names import TypeName, escaped
-from gidl.layout.wire_layout import CallKind, CallLayout, node_of
-from gidl.layout.wire_nodes import ScalarNode
 from gidl.model import (
     ArrayType,
     Attribute,
@@ -25,6 +21,8 @@ from gidl.model import (
     Union,
 )
 from gidl.model.policy import Access
+from gidl.names.languages import CPP_TYPES, CPP_WORDS
+from gidl.names.type_names import TypeName, escaped
 from gidl.targets import samples
 from gidl.targets.calls import CallValue, attribute_value, parameter_value, reply_values
 from gidl.targets.cpp import names
@@ -33,6 +31,8 @@ from gidl.targets.cpp.servant_handlers import ServerSide
 from gidl.targets.cpp.statements import indented, quoted
 from gidl.targets.groups import group
 from gidl.targets.naming import LocalNames, snake_case
+from gidl.wire.wire_layout import CallKind, CallLayout, node_of
+from gidl.wire.wire_nodes import ScalarNode
 
 
 @dataclass(frozen=True, slots=True)

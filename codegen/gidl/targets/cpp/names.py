@@ -5,11 +5,11 @@ Names of types are absolute, `::robcl::Frame`, so that no name in an enclosing s
 
 from __future__ import annotations
 
-from gidl.layout.languages import CPP_METHOD_WORDS, CPP_PARAMETER_WORDS, CPP_STRUCT_WORDS
-from gidl.layout.type_names import TypeName, escaped
-from gidl.layout.wire_layout import Layout
 from gidl.model import AnyDeclaration, Interface, Model, Struct
+from gidl.names.languages import CPP_METHOD_WORDS, CPP_PARAMETER_WORDS, CPP_STRUCT_WORDS
+from gidl.names.type_names import TypeName, escaped
 from gidl.targets.naming import LocalNames
+from gidl.wire.wire_layout import Layout
 
 OBJECT_REF = "::gecos::ObjectRef"
 """The C++ type of a value whose declared type is an interface."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from gidl.layout.wire_nodes import ScalarNode
 from gidl.model import Primitive
 from gidl.targets.naming import range_text
+from gidl.wire.wire_nodes import ScalarNode
 
 
 def range_test(x: str, number: ScalarNode) -> str:

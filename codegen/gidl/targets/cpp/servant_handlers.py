@@ -4,15 +4,6 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from gidl.layout.wire_layout import CallKind, CallLayout
-from gidl.layout.wire_nodes import (
-    AppendableNode,
-    Node,
-    ObjectNode,
-    ScalarNode,
-    StructNode,
-    UnionNode,
-)
 from gidl.model import (
     Attribute,
     Operation,
@@ -47,6 +38,15 @@ from gidl.targets.groups import group
 from gidl.targets.naming import (
     LocalNames,
     value_note,
+)
+from gidl.wire.wire_layout import CallKind, CallLayout
+from gidl.wire.wire_nodes import (
+    AppendableNode,
+    Node,
+    ObjectNode,
+    ScalarNode,
+    StructNode,
+    UnionNode,
 )
 
 

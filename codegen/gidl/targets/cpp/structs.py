@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from gidl.layout.type_names import TypeName
-from gidl.layout.wire_layout import FieldLayout
-from gidl.layout.wire_nodes import ScalarNode
 from gidl.model import (
     ExceptionStruct,
     Interface,
@@ -16,6 +13,7 @@ from gidl.model import (
     Struct,
 )
 from gidl.model.bulk import are_octets
+from gidl.names.type_names import TypeName
 from gidl.targets.calls import result_struct
 from gidl.targets.cpp import names
 from gidl.targets.cpp.comments import doc_lines
@@ -38,6 +36,8 @@ from gidl.targets.naming import (
     value_note,
 )
 from gidl.targets.reach import type_reaches
+from gidl.wire.wire_layout import FieldLayout
+from gidl.wire.wire_nodes import ScalarNode
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,13 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from gidl.layout.languages import CPP_WORDS
-from gidl.layout.type_names import escaped
-from gidl.layout.wire_layout import Layout
-from gidl.layout.wire_nodes import (
-    Node,
-    ScalarNode,
-)
 from gidl.model import (
     ArrayType,
     Bitmask,
@@ -27,8 +20,15 @@ from gidl.model import (
     Type,
     Value,
 )
+from gidl.names.languages import CPP_WORDS
+from gidl.names.type_names import escaped
 from gidl.targets.cpp import names
 from gidl.targets.cpp.ranges import number_text
+from gidl.wire.wire_layout import Layout
+from gidl.wire.wire_nodes import (
+    Node,
+    ScalarNode,
+)
 
 PRIMITIVES = {
     Primitive.BOOLEAN: "bool", Primitive.OCTET: "std::uint8_t", Primitive.CHAR: "char",

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from itertools import groupby
 
 from gidl.files.names import source_stem
-from gidl.layout.type_names import TypeName
 from gidl.model import (
     AnyDeclaration,
     Bitmask,
@@ -20,6 +19,7 @@ from gidl.model import (
     Typedef,
     Union,
 )
+from gidl.names.type_names import TypeName
 from gidl.targets.calls import passes_objects
 from gidl.targets.cpp import names
 from gidl.targets.cpp.comments import doc_lines

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gidl.layout.languages import CPP_UNION_WORDS
-from gidl.layout.type_names import escaped
-from gidl.layout.wire_nodes import EnumNode, ScalarNode
 from gidl.model import (
     Member,
     Primitive,
     PrimitiveType,
     Union,
 )
+from gidl.names.languages import CPP_UNION_WORDS
+from gidl.names.type_names import escaped
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.name_lookup import ValueNames
 from gidl.targets.cpp.names import Locals
@@ -24,6 +23,7 @@ from gidl.targets.naming import (
     value_note,
 )
 from gidl.targets.reach import type_reaches
+from gidl.wire.wire_nodes import EnumNode, ScalarNode
 
 
 class Unions(ValueNames):

@@ -5,8 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from gidl.layout.wire_layout import FieldLayout, Layout
-from gidl.layout.wire_nodes import (
+from gidl.model import (
+    Bitset,
+    Model,
+)
+from gidl.targets.cpp import names
+from gidl.targets.cpp.names import Locals
+from gidl.targets.cpp.ranges import bounds, limits_text, range_test
+from gidl.targets.cpp.statements import block, loop, of, quoted
+from gidl.targets.cpp.type_text import Slot, Types, is_bulk
+from gidl.targets.groups import call
+from gidl.wire.wire_layout import FieldLayout, Layout
+from gidl.wire.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -20,16 +30,6 @@ from gidl.layout.wire_nodes import (
     StructNode,
     UnionNode,
 )
-from gidl.model import (
-    Bitset,
-    Model,
-)
-from gidl.targets.cpp import names
-from gidl.targets.cpp.names import Locals
-from gidl.targets.cpp.ranges import bounds, limits_text, range_test
-from gidl.targets.cpp.statements import block, loop, of, quoted
-from gidl.targets.cpp.type_text import Slot, Types, is_bulk
-from gidl.targets.groups import call
 
 Refuse = Callable[[str], str]
 

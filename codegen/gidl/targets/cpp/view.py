@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gidl.files.names import source_stem
-from gidl.layout.wire_layout import Layout
 from gidl.model import Model
 from gidl.targets.cpp.call_structs import calls_view
 from gidl.targets.cpp.interface_files import has_stubs, interfaces_view
@@ -13,6 +12,7 @@ from gidl.targets.cpp.json_files import json_view
 from gidl.targets.cpp.lowering import Lowering
 from gidl.targets.cpp.types_files import types_view
 from gidl.targets.naming import OutputFile, has_output
+from gidl.wire.wire_layout import Layout
 
 
 def files(model: Model, layout: Layout) -> Iterator[OutputFile]:

@@ -1,4 +1,4 @@
-"""Builds the views of a model's .lcm files from the structs that gidl.layout.lcm_lowering
+"""Builds the views of a model's .lcm files from the structs that gidl.wire.lcm_lowering
 computes."""
 
 from __future__ import annotations
@@ -7,16 +7,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gidl.files.names import source_stem
-from gidl.layout.lcm_lowering import (
+from gidl.model import Bitmask, EnumDeclaration, Facts, Model, Struct, Union
+from gidl.targets.naming import OutputFile, doc_lines, value_note
+from gidl.wire.lcm_lowering import (
     LCM_PRIMITIVES,
     OBJECT_REF,
     OBJECT_REF_STRUCT,
     LcmMember,
     LcmStruct,
 )
-from gidl.layout.wire_layout import Layout
-from gidl.model import Bitmask, EnumDeclaration, Facts, Model, Struct, Union
-from gidl.targets.naming import OutputFile, doc_lines, value_note
+from gidl.wire.wire_layout import Layout
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,10 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from gidl.layout.languages import PYTHON_WORDS
-from gidl.layout.wire_layout import CallKind, CallLayout, FieldLayout, node_of
-from gidl.layout.wire_nodes import Node
 from gidl.model import Attribute, Interface, Operation
+from gidl.names.languages import PYTHON_WORDS
 from gidl.targets.calls import (
     CallValue,
     attribute_value,
@@ -20,6 +18,8 @@ from gidl.targets.python import names
 from gidl.targets.python.base_classes import class_bases
 from gidl.targets.python.homes import Home
 from gidl.targets.python.layout_steps import Lowering
+from gidl.wire.wire_layout import CallKind, CallLayout, FieldLayout, node_of
+from gidl.wire.wire_nodes import Node
 
 
 @dataclass(frozen=True, slots=True)

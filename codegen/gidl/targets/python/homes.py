@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from gidl.files.names import python_module
-from gidl.layout.wire_layout import Layout
 from gidl.model import File, Interface, Model, Operation, Struct
 from gidl.targets.naming import LocalNames
+from gidl.wire.wire_layout import Layout
 
 # ObjectRef, which is the type of all values whose declared type is an interface, and the file that
 # declares ObjectRef.

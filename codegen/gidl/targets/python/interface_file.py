@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterator
 
 from gidl.files.names import python_module
-from gidl.layout.wire_layout import CallKind
 from gidl.model import File, Interface
 from gidl.targets.calls import refuse_unsupported
 from gidl.targets.groups import flat
@@ -26,6 +25,7 @@ from gidl.targets.python.interface_views import (
 from gidl.targets.python.layout_steps import Lowering
 from gidl.targets.python.name_lookup import type_doc
 from gidl.targets.served_model import served_model
+from gidl.wire.wire_layout import CallKind
 
 
 def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> InterfacesView:

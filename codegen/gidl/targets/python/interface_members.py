@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import Attribute, Operation
 from gidl.targets.calls import first_missing, short_name
 from gidl.targets.naming import LocalNames, doc_lines, value_note
@@ -17,6 +16,7 @@ from gidl.targets.python.interface_views import (
     PublisherView,
 )
 from gidl.targets.python.name_lookup import type_doc
+from gidl.wire.wire_layout import CallKind, CallLayout
 
 
 class Members(Tables):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import Attribute, Operation
 from gidl.model.bulk import stream_in_place
 from gidl.model.policy import Liveliness, OnDegraded, OnLoss, OnNew, Qos, QualityClass
@@ -11,6 +10,7 @@ from gidl.targets.groups import call, group
 from gidl.targets.python.call_facts import CallFacts, Passed
 from gidl.targets.python.interface_views import MethodTableView
 from gidl.targets.python.type_text import quoted
+from gidl.wire.wire_layout import CallKind, CallLayout
 
 _NO_TERMS = "_Quality()"
 

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from gidl.layout.wire_layout import Layout
-from gidl.layout.wire_nodes import (
+from gidl.model import Model, Primitive, Range
+from gidl.targets.groups import call, group
+from gidl.targets.python.homes import ModuleNames
+from gidl.targets.python.type_text import CODES, Types, bulk_code, is_octet, quoted
+from gidl.wire.wire_layout import Layout
+from gidl.wire.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -19,10 +23,6 @@ from gidl.layout.wire_nodes import (
     StructNode,
     UnionNode,
 )
-from gidl.model import Model, Primitive, Range
-from gidl.targets.groups import call, group
-from gidl.targets.python.homes import ModuleNames
-from gidl.targets.python.type_text import CODES, Types, bulk_code, is_octet, quoted
 
 
 class Lowering(Types):

@@ -6,11 +6,9 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from gidl.layout.languages import PYTHON_CLASS_WORDS
-from gidl.layout.wire_layout import CallKind, CallLayout
-from gidl.layout.wire_nodes import Node
 from gidl.model import Attribute, Direction, Interface, Operation
 from gidl.model.policy import Access
+from gidl.names.languages import PYTHON_CLASS_WORDS
 from gidl.targets import samples
 from gidl.targets.groups import call
 from gidl.targets.naming import LocalNames, snake_case
@@ -21,6 +19,8 @@ from gidl.targets.python.interface_members import Members
 from gidl.targets.python.interface_views import HandlerView
 from gidl.targets.python.layout_steps import Lowering
 from gidl.targets.python.mock_values import MockValues, OwnNames, plain_hint
+from gidl.wire.wire_layout import CallKind, CallLayout
+from gidl.wire.wire_nodes import Node
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable
 
-from gidl.layout.wire_nodes import (
+from gidl.model import Bitset, EnumDeclaration, Primitive, Union, Value
+from gidl.targets import samples
+from gidl.targets.groups import call, clauses, group
+from gidl.targets.naming import LocalNames
+from gidl.targets.python import names
+from gidl.targets.python.layout_steps import Lowering
+from gidl.targets.python.type_text import DTYPES, bulk_code, is_octet
+from gidl.wire.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -19,13 +26,6 @@ from gidl.layout.wire_nodes import (
     StructNode,
     UnionNode,
 )
-from gidl.model import Bitset, EnumDeclaration, Primitive, Union, Value
-from gidl.targets import samples
-from gidl.targets.groups import call, clauses, group
-from gidl.targets.naming import LocalNames
-from gidl.targets.python import names
-from gidl.targets.python.layout_steps import Lowering
-from gidl.targets.python.type_text import DTYPES, bulk_code, is_octet
 
 
 class OwnNames:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from gidl.layout.languages import PYTHON_CLASS_WORDS, PYTHON_WORDS
-from gidl.layout.type_names import escaped
 from gidl.model import Attribute, Operation, Struct
+from gidl.names.languages import PYTHON_CLASS_WORDS, PYTHON_WORDS
+from gidl.names.type_names import escaped
 from gidl.syntax.keywords import words
 from gidl.targets.naming import DOC_WIDTH, LocalNames, snake_case, wrapped
 
 # A name that is reserved in Python gets an underscore at its end. The reserved words are the words
-# of gidl.layout.languages and the words below. A name that generated code imports is not reserved:
+# of gidl.names.languages and the words below. A name that generated code imports is not reserved:
 # the name gets an underscore at its beginning, and no name in an interface begins with an
 # underscore.
 METHOD_WORDS = PYTHON_WORDS | {"property", "gecos_on_stop"}

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from gidl.layout.wire_layout import FieldLayout
-from gidl.layout.wire_nodes import Node
 from gidl.model import ExceptionStruct, Member, Operation, SequenceType, Struct
 from gidl.targets.calls import result_struct
 from gidl.targets.groups import call
@@ -16,6 +14,8 @@ from gidl.targets.python.name_lookup import ValueNames, may_be_missing, type_doc
 from gidl.targets.python.type_text import quoted
 from gidl.targets.python.type_views import FieldView, StructView
 from gidl.targets.reach import type_reaches
+from gidl.wire.wire_layout import FieldLayout
+from gidl.wire.wire_nodes import Node
 
 
 @dataclass(frozen=True, slots=True)

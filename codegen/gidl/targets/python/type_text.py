@@ -5,21 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Self
 
-from gidl.layout.wire_layout import FieldLayout, Layout
-from gidl.layout.wire_nodes import (
-    AppendableNode,
-    ArrayNode,
-    EnumNode,
-    MapNode,
-    Node,
-    ObjectNode,
-    OptionalNode,
-    ScalarNode,
-    SequenceNode,
-    StringNode,
-    StructNode,
-    UnionNode,
-)
 from gidl.model import (
     Bitmask,
     EnumDeclaration,
@@ -34,6 +19,21 @@ from gidl.model import (
 from gidl.targets.groups import call, clauses
 from gidl.targets.python import names
 from gidl.targets.python.homes import Home, ModuleNames
+from gidl.wire.wire_layout import FieldLayout, Layout
+from gidl.wire.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    MapNode,
+    Node,
+    ObjectNode,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
+)
 
 CODES = {
     Primitive.BOOLEAN: "?", Primitive.OCTET: "B", Primitive.CHAR: "B", Primitive.INT8: "b",

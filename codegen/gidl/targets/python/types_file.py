@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from gidl.files.names import python_module
-from gidl.layout.wire_layout import Layout, node_of
-from gidl.layout.wire_nodes import Node
 from gidl.model import (
     AnyDeclaration,
     Bitmask,
@@ -43,6 +41,8 @@ from gidl.targets.python.type_views import (
     UnionView,
 )
 from gidl.targets.python.unions import Unions
+from gidl.wire.wire_layout import Layout, node_of
+from gidl.wire.wire_nodes import Node
 
 
 def types_view(lowering: Lowering, file: File) -> TypesView:

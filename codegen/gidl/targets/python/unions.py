@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from gidl.layout.wire_layout import FieldLayout, UnionLayout
 from gidl.model import Union, UnionCase
 from gidl.targets.groups import call
 from gidl.targets.naming import LocalNames, value_note
@@ -11,6 +10,7 @@ from gidl.targets.python.name_lookup import ValueNames, type_doc
 from gidl.targets.python.type_text import quoted
 from gidl.targets.python.type_views import ArmView, UnionView
 from gidl.targets.reach import type_reaches
+from gidl.wire.wire_layout import FieldLayout, UnionLayout
 
 
 class Unions(ValueNames):

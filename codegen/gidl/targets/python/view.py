@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gidl.files.names import python_stem
-from gidl.layout.wire_layout import Layout
 from gidl.model import Model
 from gidl.targets.naming import OutputFile, has_output
 from gidl.targets.python.homes import AllNames, Homes
 from gidl.targets.python.interface_file import interfaces_view
 from gidl.targets.python.layout_steps import Lowering
 from gidl.targets.python.types_file import types_view
+from gidl.wire.wire_layout import Layout
 
 
 def lowering(model: Model, layout: Layout) -> Lowering:

@@ -1,6 +1,6 @@
 """Python names for the declarations of a served model. The names are the same as in generated code.
 
-`gidl.targets.python.names` and `gidl.layout.languages` have the same words and rules.
+`gidl.targets.python.names` and `gidl.names.languages` have the same words and rules.
 """
 
 from __future__ import annotations

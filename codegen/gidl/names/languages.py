@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from gidl.layout.type_names import Language, escaped
 from gidl.model import AnyDeclaration, Bitset, Interface, Model, Struct, Union
+from gidl.names.type_names import Language, escaped
 from gidl.syntax.keywords import CPP, PYTHON, words
 
 # -- C++ -----------------------------------------------------------------------------------------

@@ -28,24 +28,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from gidl.layout import function_codes, hashes
-from gidl.layout.languages import CPP_TYPES, PYTHON_TYPES
-from gidl.layout.lcm_lowering import LcmStruct, Lowering, fingerprint
-from gidl.layout.type_names import TypeNames, name_types
-from gidl.layout.wire_nodes import (
-    AppendableNode,
-    ArrayNode,
-    EnumNode,
-    MapNode,
-    Node,
-    ObjectNode,
-    OptionalNode,
-    ScalarNode,
-    SequenceNode,
-    StringNode,
-    StructNode,
-    UnionNode,
-)
 from gidl.model import (
     ArrayType,
     Attribute,
@@ -69,6 +51,24 @@ from gidl.model import (
     Typedef,
     Union,
     within,
+)
+from gidl.names.languages import CPP_TYPES, PYTHON_TYPES
+from gidl.names.type_names import TypeNames, name_types
+from gidl.wire import function_codes, hashes
+from gidl.wire.lcm_lowering import LcmStruct, Lowering, fingerprint
+from gidl.wire.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    MapNode,
+    Node,
+    ObjectNode,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
 )
 
 _LARGEST_SAMPLE = 2**30  # bytes; the memory of a stream is never larger
@@ -179,7 +179,7 @@ class Layout:
 
 def build(model: Model) -> Layout:
     """Lays out every type and interface of `model`. @pre the rules found no error in `model`, and
-    it has no events: see `gidl.layout.events`."""
+    it has no events: see `gidl.wire.events`."""
     return _Builder(model).build()
 
 

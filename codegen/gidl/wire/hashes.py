@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import hashlib
 
-from gidl.layout.function_codes import hashed_name, member_name
 from gidl.model import (
     ArrayType,
     Attribute,
@@ -44,6 +43,7 @@ from gidl.model import (
     Union,
     Value,
 )
+from gidl.wire.function_codes import hashed_name, member_name
 
 
 def hash64(text: str) -> int:

@@ -12,7 +12,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from gidl.layout.wire_nodes import (
+from gidl.model import (
+    Bitmask,
+    Bitset,
+    EnumDeclaration,
+    Model,
+    Primitive,
+    Struct,
+    Type,
+    Union,
+)
+from gidl.syntax.keywords import CPP, PYTHON
+from gidl.wire.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -26,17 +37,6 @@ from gidl.layout.wire_nodes import (
     StructNode,
     UnionNode,
 )
-from gidl.model import (
-    Bitmask,
-    Bitset,
-    EnumDeclaration,
-    Model,
-    Primitive,
-    Struct,
-    Type,
-    Union,
-)
-from gidl.syntax.keywords import CPP, PYTHON
 
 LCM_PRIMITIVES = frozenset(
     ("int8_t", "int16_t", "int32_t", "int64_t", "byte", "float", "double", "string", "boolean")

@@ -12,8 +12,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gidl.diagnostics.findings import Findings, Note
-from gidl.layout.languages import CPP_TYPES
-from gidl.layout.type_names import TypeName, TypeNames, name_types
 from gidl.model import (
     AnnotationDeclaration,
     AnyDeclaration,
@@ -23,6 +21,8 @@ from gidl.model import (
     Model,
     Struct,
 )
+from gidl.names.languages import CPP_TYPES
+from gidl.names.type_names import TypeName, TypeNames, name_types
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,1 @@
+"""Computes what packets contain from the model: encodings, function codes, hashes, fingerprints."""
