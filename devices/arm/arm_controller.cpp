@@ -55,7 +55,8 @@ JointValues accelerations_of(const robcl::arm::ArmModel& model) {
   return limits;
 }
 
-/// Returns `values`, each with a magnitude of at most that of `limits`.
+/// Returns `values`, but limits the magnitude of each value to the value of the same joint in
+/// `limits`.
 JointValues clamped(const JointValues& values, const JointValues& limits) {
   return values.cwiseMin(limits).cwiseMax(-limits);
 }
@@ -256,8 +257,8 @@ std::optional<DriverFault> ArmController::fault_of(
   return not_ready(*answer, loop_.refusal);
 }
 
-/// Returns the joint that the drives did not hold at the set points `held` while the loop stood;
-/// nullopt if they held all joints.
+/// Returns a fault that names the first joint which the drives did not hold at the set points
+/// `held` while the control loop stood still; nullopt if they held all joints.
 std::optional<DriverFault> ArmController::not_held(const JointValues& measured,
                                                    const JointValues& held) const {
   for (Eigen::Index axis = 0; axis < axes_; ++axis) {

@@ -24,8 +24,9 @@ namespace devices {
 /// the joint positions. A fault of the drives ends the motion. The fault lasts until `reset_drives`
 /// is called, so that the arm does not start to move when the cause of the fault disappears.
 ///
-/// This class has more members than other classes. Half of the members are orders and results that
-/// one thread passes to another thread. The purpose of this class is to separate these two threads.
+/// This class has more members than other classes. Half of the members pass commands from the
+/// thread that moves the arm to the thread of the control loop, or results back. The separation of
+/// these two threads is the purpose of the class.
 class ArmController {
  public:
   struct Settings {

@@ -85,10 +85,10 @@ class ArmDevice {
   /// Sets the frame of the tool, seen from the flange. Fails while the arm moves.
   tl::expected<void, Refused> set_tool_offset(const Frame& flange_from_tool);
 
-  /// Moves the tool to the frame `world_from_goal` and returns when the arm has arrived there by
-  /// its measured joint positions. A joint move ends in a configuration that `wanted` admits.
+  /// Moves the tool to the frame `world_from_goal`. Returns when the measured joint positions show
+  /// that the arm has arrived there. A joint move ends in a configuration that `wanted` admits.
   /// Without `wanted`, and on a straight line, the arm keeps its configuration; a straight move to
-  /// another configuration is Refused. ArmMotion::Request explains `goes_over`.
+  /// another configuration is Refused. `goes_over`: see ArmMotion::Request.
   tl::expected<void, MoveFailure> move(
       const Frame& world_from_goal, PathKind path, const robcl::motion::Pace& pace,
       MotionWatcher& watcher, const std::optional<robcl::arm::Configuration>& wanted = std::nullopt,

@@ -38,15 +38,16 @@ struct ArmFileError {
   std::string key;   ///< for example "tool.offset_mm"; empty if the file is not TOML
   std::string text;  ///< the mistake, and how to mend it
 };
-/// Returns a line such as "rx90.toml:9: front_deg: …".
+/// Returns the error as a line of text, such as "rx90.toml:9: front_deg: …".
 std::string to_string(const ArmFileError& error);
 
 /// Returns the text of the URDF file `urdf`, or the reason why it cannot be read.
 using ReadUrdf =
     std::function<tl::expected<std::string, std::string>(const std::filesystem::path& urdf)>;
 
-/// Reads the text `toml`. `file` is the name of the TOML file, which errors name. `read_urdf` gets
-/// the value of the key `urdf`.
+/// Reads the description of an arm from `toml`, the text of a TOML file. `file` is the name of that
+/// file, for errors. Calls `read_urdf` with the value of the key `urdf`, to get the text of the
+/// URDF file.
 tl::expected<ArmDescription, ArmFileError> parse_arm(const std::string& toml,
                                                      const std::string& file,
                                                      const ReadUrdf& read_urdf);

@@ -13,10 +13,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto beat = 5ms;  // period at which a running motion is looked at
-// A new plan may change the motion only later than `cycles_ahead` cycles of the control loop plus
-// the real time in s that planning takes, so that the control loop gets the plan in time. Planning
-// takes `time_to_plan`, and `time_to_plan_each` more for each move that has not ended.
+constexpr auto beat = 5ms;  // period at which the outcome of a running motion is polled
+// A new plan does not change the next part of the running motion, so that the control loop gets the
+// plan in time. This part lasts for `cycles_ahead` cycles of the control loop plus the real time in
+// s that planning takes. Planning takes `time_to_plan`, and `time_to_plan_each` more for each move
+// that has not ended.
 constexpr double cycles_ahead = 2, time_to_plan = 0.008, time_to_plan_each = 0.0001;
 // The greatest number of moves that run or wait. Each of them keeps a thread of the server.
 constexpr std::size_t most_links = 64;
@@ -25,8 +26,8 @@ DriverFault stalled_loop() {
   return {"the control loop has stalled: a call of the driver does not return"};
 }
 
-/// Returns the exception that is being handled as a refusal. Some exceptions of KDL are not a
-/// std::exception.
+/// Makes a refusal from the exception that is being handled. Some exceptions of KDL do not derive
+/// from std::exception.
 Refused refused_because_of_exception() {
   const std::string refused = "the motion cannot be planned: ";
   try {
@@ -182,7 +183,8 @@ bool ArmMotion::is_to_plan(const Link& link) const {
   return *std::ranges::find(links_, Part::Waiting, &Link::part) == &link;
 }
 
-/// Looks at the motion once.
+/// Watches the motion for 5 ms, and longer while another thread holds the mutex. Stops the arm if
+/// the first move is interrupted, ends the moves that are complete, and reports the progress.
 void ArmMotion::watch(Lock&) {
   std::optional<ArmController::Outcome> ended;
   OutcomeWatch& outcome = *outcome_;
@@ -209,8 +211,8 @@ void ArmMotion::watch(Lock&) {
   }
 }
 
-/// Returns an exception as a refusal. An exception must not leave `move`, because other threads
-/// would keep the address of `link`, which would no longer exist.
+/// Like begin_or_follow, but returns a refusal instead of throwing an exception. An exception must
+/// not leave `move`: it would destroy `link`, whose address other threads keep.
 std::optional<MoveFailure> ArmMotion::plan(Link& link) {
   try {
     return begin_or_follow(link);
@@ -247,7 +249,7 @@ std::optional<MoveFailure> ArmMotion::begin(Link& link) {
 
 /// Lets the motion go over into as many of the waiting moves as possible. One plan for all of them
 /// takes about as long as a plan for one of them, and may take longer than a short move lasts.
-/// Therefore at most one plan is made between two looks at the motion.
+/// Therefore at most one plan is made between two calls of `watch`.
 void ArmMotion::join_waiting() {
   plan_made_ = true;
   try {
@@ -256,8 +258,8 @@ void ArmMotion::join_waiting() {
                          [](const Link* link) { return link->part == Part::Waiting; });
     if (!stopping_) join(waiting);
   } catch (...) {
-    // The arm stops before the moves that have not joined. If a plan for one of these fails again,
-    // that move is refused with the reason.
+    // The arm stops before the moves that are not part of the motion yet. If the plan of such a
+    // move fails again, the move is refused with the reason.
   }
   for (Link* const link : links_) {
     if (link->part == Part::Waiting) link->leave_motion();
@@ -300,7 +302,8 @@ bool ArmMotion::go_over_into(std::span<Link* const> links) {
   return true;
 }
 
-/// Notes that the arm does not stop at the goals before `next`: it passes them at `corner`.
+/// Records that the arm does not stop at the goals of the moves before `next`, but passes these
+/// goals at `corner`.
 void ArmMotion::note_corner(const Link& next, const Corner& corner) {
   for (Link* const before : links_) {
     if (before == &next) return;
@@ -311,8 +314,8 @@ void ArmMotion::note_corner(const Link& next, const Corner& corner) {
   }
 }
 
-/// Sets the times at which the planned moves begin and end. A corner that lies before the path of
-/// the present plan keeps its times.
+/// Sets the times at which the planned moves begin and end. If the path of the newest plan begins
+/// behind a corner, the times of this corner do not change.
 void ArmMotion::set_times() {
   const Link* before = nullptr;
   for (Link* const link : links_) {
@@ -326,7 +329,8 @@ void ArmMotion::set_times() {
   }
 }
 
-/// Ends the moves whose corners are passed, and reports the progress of the first remaining move.
+/// Ends the moves whose corners the arm has passed, and reports the progress of the first remaining
+/// move.
 void ArmMotion::look_after_links() {
   const double now = playback_->elapsed(), shown = now - playback_->lag();
   const std::size_t entered = playback_->entered();
@@ -345,9 +349,9 @@ void ArmMotion::look_after_links() {
   first.watcher.progress(over ? 1 : std::clamp(1 - left / whole, 0.0, 1.0), remaining);
 }
 
-/// Notes that the arm must stop if a move that belongs to the running motion is interrupted. An
-/// interrupted move that does not belong to the motion ends at once: the motion goes on, but the
-/// moves after the interrupted one leave the motion, and begin when the arm stands.
+/// Checks which moves are interrupted. If one of them is part of the running motion, the arm must
+/// stop. Any other interrupted move ends at once, and the motion goes on. The moves after the
+/// interrupted move are then not joined to this motion, but begin when the arm stands.
 void ArmMotion::end_interrupted() {
   bool apart = false, stop = false;
   std::erase_if(links_, [&](Link* link) {
@@ -368,7 +372,8 @@ void ArmMotion::end_interrupted() {
   if (apart) changed_.notify_all();
 }
 
-/// Tells the callers of the moves that were part of a motion that the motion has ended.
+/// Handles the end of a motion. Ends the moves that are complete, and begins the remaining moves
+/// from rest. If the motion failed and was not merely stopped, ends all moves with its failure.
 void ArmMotion::end_motion(const ArmController::Outcome& outcome) {
   const Result result = result_of(outcome);
   if (result) {

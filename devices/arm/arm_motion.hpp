@@ -23,7 +23,7 @@ class OutcomeWatch {
  public:
   explicit OutcomeWatch(ArmController& controller)
       : controller_(controller), beats_(controller.beats()) {}
-  /// Waits 5 ms for the outcome. Returns nullopt if the motion still runs.
+  /// Waits at most 5 ms for the outcome. Returns nullopt if the motion still runs.
   std::optional<ArmController::Outcome> look();
   /// Returns whether the control loop began no cycle during the last 400 calls of `look`. The calls
   /// are counted and not the time, because time also passes while the process is suspended.
@@ -55,15 +55,15 @@ class ArmMotion {
     bool goes_over = false;
   };
 
-  /// `controller` must exist as long as the new object. `clock_speed`: see LabClock; planning takes
-  /// real time.
+  /// `controller` must exist as long as the new object. `clock_speed` is the speed of the simulated
+  /// time in which the motions run (see LabClock); the time that planning takes is real time.
   ArmMotion(ArmController& controller, robcl::motion::Planner planner, double clock_speed = 1)
       : controller_(controller), clock_speed_(clock_speed), planner_(std::move(planner)) {}
 
-  /// Returns when the arm has arrived at the goal by its measured joint positions. If the arm goes
-  /// over into the next move, returns when the arm is on the path of that move. Refused while the
-  /// arm makes another motion, unless that motion goes over into this move. If the arm cannot go
-  /// over, it stops before this move begins.
+  /// Makes a move. Returns when the measured joint positions show that the arm has arrived at the
+  /// goal. If the arm goes over into the next move, returns when the arm is on the path of that
+  /// move. Refused while the arm makes another motion, unless that motion goes over into this move.
+  /// If the arm cannot go over, it stops before this move begins.
   Result move(const Request& request, MotionWatcher& watcher);
 
   /// Makes a motion that does not go over into another one. `make` gets the joint positions at
@@ -84,8 +84,8 @@ class ArmMotion {
  private:
   using Corner = robcl::motion::MoveChain::Corner;
 
-  /// Whether a move belongs to the motion. None: no, because the arm must stop first. Waiting: the
-  /// next plan will contain the move. Joined: yes.
+  /// Whether a move is part of the running motion. None: no; the arm must stop before the move
+  /// begins. Waiting: not yet; the next plan is to include the move. Joined: yes.
   enum class Part : std::uint8_t { None, Waiting, Joined };
 
   /// A move that has not ended. The object is on the stack of the thread that waits for the move.
@@ -142,13 +142,13 @@ class ArmMotion {
   gecos::ConditionVariable changed_;  // links_ or a result
   robcl::motion::Planner planner_ GECOS_GUARDED_BY(mutex_);
   bool busy_ GECOS_GUARDED_BY(mutex_) = false;
-  /// The last motion has no outcome yet, because the control loop stalled.
+  /// Whether the last motion still has no outcome, because the control loop stalled.
   bool unfinished_ GECOS_GUARDED_BY(mutex_) = false;
   std::deque<Link*> links_ GECOS_GUARDED_BY(mutex_);  // in the order of the motion
   std::optional<robcl::motion::MoveChain> chain_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<robcl::motion::Playback> playback_ GECOS_GUARDED_BY(mutex_);
   std::size_t plans_ GECOS_GUARDED_BY(mutex_) = 0;   // appended to playback_
-  bool plan_made_ GECOS_GUARDED_BY(mutex_) = false;  // since the motion was last looked at
+  bool plan_made_ GECOS_GUARDED_BY(mutex_) = false;  // since the last call of watch()
   std::optional<OutcomeWatch> outcome_ GECOS_GUARDED_BY(mutex_);
   bool stopping_ GECOS_GUARDED_BY(mutex_) = false;
 };

@@ -34,7 +34,7 @@ gecos::Result<void> ManipulatorServant::restart_drives(gecos::Execution<>& run) 
 void ManipulatorServant::publish() {
   if (following_.try_lock()) {
     const gecos::MutexLock nobody_follows(following_, std::adopt_lock);
-    while (alter().next()) {  // reading judges a sample, and counts its refusal
+    while (alter().next()) {  // next() judges each sample, and counts its refusal
     }
   }
   const ArmDevice::Sample now = arm_.sample();

@@ -76,7 +76,7 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
   ArmDevice& arm_;
   const std::string place_;
   NextConfiguration next_configuration_;
-  gecos::Mutex following_;       // held by the handler whose control loop reads `alter`
+  gecos::Mutex following_;       // held by the handler of `follow`, which reads `alter`
   bool moved_ = false;           // whether the last published sample was of a moving arm
   std::uint64_t published_ = 0;  // number of the last published measurement
 };

@@ -16,10 +16,10 @@ class MotionWatcher {
   /// Receives the progress of the motion: `fraction` is the passed part of the motion's duration, 0
   /// to 1; `remaining` is the time in s until it ends.
   virtual void progress(double fraction, double remaining) = 0;
-  /// Called before each `progress`: the factor that scales the speed of motions; 0 pauses the
-  /// motion.
+  /// Receives the factor that scales the speed of motions; 0 pauses the motion. The arm calls this
+  /// function before each call of `progress`.
   virtual void scaled(double factor) { static_cast<void>(factor); }
-  /// Returns a number that stands for the caller of the motion. If a move fails, the later moves of
+  /// Returns a number that identifies the caller of the motion. If a move fails, the later moves of
   /// the same caller are not made.
   virtual std::uint64_t caller() const { return 0; }
   /// Called when the arm has accepted the move. The caller may then request the next move.

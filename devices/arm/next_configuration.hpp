@@ -12,8 +12,8 @@
 namespace devices {
 
 /// Keeps, for each session, the configuration in which its next joint move must end. The
-/// configuration is forgotten when the object is stopped, and when the status ends under which the
-/// session set the configuration. Thread-safe.
+/// configuration is forgotten when the object is stopped, and when the status under which the
+/// session set the configuration ends. Thread-safe.
 class NextConfiguration {
  public:
   /// A session, and the epoch of its status when it issued a command.
@@ -47,7 +47,7 @@ class NextConfiguration {
 
  private:
   // The greatest number of sessions whose configuration is kept. If there are more sessions, the
-  // oldest configuration is forgotten: its session may never move.
+  // oldest configuration is forgotten, because its session may never request a joint move.
   static constexpr std::size_t most_sessions = 64;
 
   std::optional<robcl::arm::Configuration> take_held(const Issuer& issuer) GECOS_REQUIRES(mutex_) {

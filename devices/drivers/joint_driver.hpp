@@ -56,7 +56,8 @@ struct JointState {
 class JointDriver {
  public:
   struct Properties {
-    /// In Velocity mode, the arm controls the joint positions itself.
+    /// Which set points the drives follow. In Velocity mode, the control loop of the arm's server
+    /// controls the joint positions.
     ControlMode mode = ControlMode::Position;
     double period = 0.004;  ///< s, of the control loop
     /// Time in s without a call of `write` after which the drives stop by themselves. If the

@@ -12,12 +12,11 @@
 namespace devices {
 
 /// The servant of a simulated gripper: implements the interface `robcl::Gripper` with a
-/// SimulatedGripper. Asks the object of a simulated world which body the jaws will touch.
-/// Thread-safe. Handlers wait for the answers of that object.
+/// SimulatedGripper. Asks the simulated world, an object with the interface `robcl::World`, which
+/// body the jaws will touch. Thread-safe. Handlers wait for the answers of that object.
 class GripperServant final : public robcl::GripperServant {
  public:
-  /// `world` is the name of the object of the simulated world. If the name is empty, the jaws never
-  /// touch a body.
+  /// `world` is the name of the simulated world. If the name is empty, the jaws never touch a body.
   GripperServant(gecos::Lab& lab, std::string name, std::string world, const std::string& carrier,
                  const robcl::Frame& base_from_grip_point,
                  const SimulatedGripper::Settings& settings);

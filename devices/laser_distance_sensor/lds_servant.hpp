@@ -12,8 +12,8 @@
 namespace devices {
 
 /// The servant of a simulated sensor: implements the interface `robcl::LaserDistanceSensor` with a
-/// SimulatedBeam. Gets the true distance from the object of a simulated world. Thread-safe.
-/// Handlers wait for the answers of that object.
+/// SimulatedBeam. Gets the true distance from the simulated world, an object with the interface
+/// `robcl::World`. Thread-safe. Handlers wait for the answers of that object.
 class LdsServant final : public robcl::LaserDistanceSensorServant {
  public:
   LdsServant(gecos::Lab& lab, std::string world, const std::string& carrier,

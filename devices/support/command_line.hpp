@@ -17,15 +17,16 @@ struct Option {
   std::string says;      ///< text for --help, with the unit
 };
 
-/// Reads the arguments of a device program. Every device program has the flag --insecure. If
-/// `exit_status` has a value, `main` must return this value. Every device program has the option
-/// --clock, for the speed of its LabClock. The default of --clock is the environment variable
-/// ROBCL_CLOCK, which all programs of a laboratory share, or 1.
+/// Reads the arguments of a device program. Every device program has the flag --insecure, and the
+/// option --clock for the speed of its LabClock. The default of --clock is the environment variable
+/// ROBCL_CLOCK, which all programs of a laboratory share; without this variable, the default is 1.
+/// If `exit_status` has a value, `main` must return this value.
 class CommandLine {
  public:
   /// Reads the arguments. Prints the usage if one of them is --help. Prints an error and the usage
-  /// if an argument is bad. `operand`, if not empty, stands before the options in the usage; the
-  /// program has taken this argument out of `words` itself.
+  /// if an argument is bad. `operand` is the name, for the usage, of an argument that stands before
+  /// the options; it is empty if there is no such argument. The program must remove this argument
+  /// from `words` before.
   CommandLine(std::string program, std::string purpose, std::vector<Option> options, int count,
               char** words, std::string operand = "");
 

@@ -13,9 +13,10 @@ namespace devices {
 /// Periodic work of a device: it publishes, and connects to other objects. While the device is
 /// served, the work runs on a separate thread.
 struct Beat {
-  /// The period in simulated time, as `LabClock` counts it. In real time, the period is never
-  /// longer than this number of seconds, nor shorter than `shortest`, which is enough for any
-  /// reader.
+  /// The period in simulated time, as `LabClock` counts it. If simulated time is slower than real
+  /// time, the period is this value in real time. If simulated time is faster, the period in real
+  /// time is shorter than this value, but not shorter than `shortest`, because no reader needs
+  /// samples more often.
   gecos::Duration period;
   std::function<void()> work;
   static constexpr gecos::Duration shortest = std::chrono::milliseconds(1);

@@ -10,8 +10,8 @@ namespace devices {
 /// much of this as the system permits. Returns a text that says what the system does not permit and
 /// how to permit it; nullopt if it permits both.
 ///
-/// A page is locked when it is first touched (MCL_ONFAULT): the stacks of all threads together are
-/// much larger than what the threads use of them.
+/// A page is locked when it is first touched (MCL_ONFAULT). Otherwise, the whole stacks of all
+/// threads would be locked in RAM, although the threads use only a small part of them.
 std::optional<std::string> make_real_time();
 
 }  // namespace devices

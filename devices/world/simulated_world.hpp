@@ -22,13 +22,13 @@ struct SimulatedBody {
   std::vector<std::string> holders;
 };
 
-/// A simulated laboratory of bodies. A gripper that grips a body attaches the body, at its present
-/// pose, to the gripper's carrier. Several grippers may hold one body: the gripper that gripped it
-/// last carries the body, which slides through the jaws of the other grippers. When the carrying
-/// gripper opens, the body stays where it is. The gripper that gripped the body last among the
-/// other grippers then carries the body. A body that its last holder releases falls straight down
-/// onto the body below it and keeps its orientation. A body that is not held does not move, even
-/// when the body below it is taken away. Thread-safe.
+/// A simulated laboratory of bodies. When a gripper grips a body, the body is attached to the
+/// gripper's carrier at the pose that the body has at that moment. Several grippers may hold one
+/// body: the gripper that gripped it last carries the body, which slides through the jaws of the
+/// other grippers. When the carrying gripper opens, the body stays where it is. The gripper that
+/// gripped the body last among the other grippers then carries the body. A body that its last
+/// holder releases falls straight down onto the body below it and keeps its orientation. A body
+/// that is not held does not move, even when the body below it is taken away. Thread-safe.
 class SimulatedWorld {
  public:
   struct Hit {
@@ -79,8 +79,9 @@ class SimulatedWorld {
   const double floor_;
   mutable gecos::Mutex guard_;
   std::vector<SimulatedBody> bodies_ GECOS_GUARDED_BY(guard_);
-  // The key is the name of a gripper. There is one entry for each gripper that holds a body. The
-  // entry of a gripper that does not carry its body follows the body.
+  // The frame of a held body, seen from the carrier of a gripper that holds it. The key is the name
+  // of the gripper. If another gripper carries the body, each call of `track` measures this frame
+  // again.
   std::map<std::string, Frame> carrier_from_body_ GECOS_GUARDED_BY(guard_);
 };
 

@@ -21,7 +21,9 @@ std::string new_code() {
   return code;
 }
 
-/// Returns a number that is higher at each start of this program than at the start before.
+/// Returns the number after which the zone numbers its times of presence (see access::Zone). The
+/// number is the Unix time in ns. So it rises from one start of this program to the next, and no
+/// number occurs twice.
 std::uint64_t spells_before() { return static_cast<std::uint64_t>(gecos::unix_now_ns()); }
 
 }  // namespace
