@@ -102,7 +102,7 @@ TEST_F(Edges, ALineThroughTheColumnIsRefusedWithItsCauseAndItsPlace) {
   const Frame start = tool();
   const Frame behind = translate(-2 * start.x(), -2 * start.y(), 0) * start;
   is_refused([&] { return robot_.move(behind, straight()); }, gecos::Detail::Fault,
-             "mm along the line joint 1 would have to turn ");
+             "mm along the line: joint 1 would have to turn ");
   arrives(start * translate(0, 0, 0.001), straight());
 }
 

@@ -45,7 +45,7 @@ struct Singular {
 using Failure = std::variant<OutOfReach, JointLimit, Singular>;
 
 std::string to_string(const Failure& failure);
-/// Returns for example "120.0 mm along the line".
+/// Returns a text such as "120.0 mm along the line".
 std::string to_string(const PlaceOnLine& place);
 
 }  // namespace robcl::arm

@@ -40,8 +40,8 @@ double nearest_turn(double angle, double reference, const JointLimits& limits) {
   const double nearest = nearest_angle(angle, reference);
   double best = nearest;
   // Tries first the angle that is nearest to `reference` and differs from `angle` by whole turns.
-  // Then tries the angles that are one and two turns away from this first angle. No known joint
-  // turns further.
+  // Then tries the angles that are one and two turns away from this first angle. More turns are not
+  // tried, because no known joint has such a range.
   for (const int turns : {1, -1, 2, -2}) {
     if (outside(best, limits) == 0) break;
     const double copy = nearest + turns * whole_turn;

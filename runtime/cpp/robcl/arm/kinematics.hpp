@@ -11,9 +11,10 @@
 
 namespace robcl::arm {
 
-/// Computes forward kinematics without allocating memory. The constructor multiplies the constant
-/// transforms between two joints of the KDL chain, and turns each joint's axis to z. Therefore a
-/// control cycle has time for several poses with their Jacobian matrices.
+/// Computes forward kinematics without allocating memory. The constructor computes once what does
+/// not depend on the joint positions: it multiplies the constant transforms between two joints of
+/// the KDL chain, and makes each joint turn about a z axis. Therefore a control cycle has time for
+/// several poses with their Jacobian matrices.
 class Kinematics {
  public:
   /// `flange_from_tip` is the pose, seen from the flange, of the tip whose Jacobian matrix is

@@ -24,14 +24,16 @@ class DampedInverse {
  public:
   explicit DampedInverse(const Jacobian& jacobian);
 
-  /// Returns the joint speeds with which the point of the Jacobian matrix moves by the twist
-  /// `twist`, in m/s and rad/s. If several joint speeds are possible, as for an arm with more than
-  /// six joints, returns the smallest ones. At a singularity the speeds are large but finite.
+  /// Returns the joint speeds at which the point for which the Jacobian matrix was computed moves
+  /// with the twist `twist`, in m/s and rad/s. If several joint speeds are possible, as for an arm
+  /// with more than six joints, returns the smallest ones. At a singularity the speeds are large
+  /// but finite.
   JointValues joint_speeds(const PoseStep& twist) const {
     return jacobian_.transpose() * PoseStep(root_.solve(twist));
   }
-  /// Returns how far the arm is from a singularity: roughly the least speed of the point, in m/s or
-  /// rad/s, when the joints move with 1 rad/s. The distance is 0 at a singularity.
+  /// Returns how far the arm is from a singularity: roughly the least speed, in m/s or rad/s, of
+  /// the point of the Jacobian matrix when the joints move with 1 rad/s. The distance is 0 at a
+  /// singularity.
   double singularity_distance() const;
 
  private:
@@ -54,7 +56,8 @@ class LocalInverse {
  public:
   /// The accuracy of a solution, in m and rad, unless the caller accepts a lower one.
   static constexpr double accuracy = 1e-10;
-  /// The greatest distance, in rad, of a joint of a solution from its known position.
+  /// The greatest angle, in rad, by which the position of a joint in a solution may differ from its
+  /// known position.
   static constexpr double furthest = 0.5;
 
   explicit LocalInverse(const ArmModel& model, const Frame& flange_from_tool = {})

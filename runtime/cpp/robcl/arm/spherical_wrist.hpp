@@ -78,9 +78,9 @@ class SphericalWristInverse final : public InverseKinematics {
   double sixth_tilt_ = 0;            // angle from axis 4 to axis 6 about axis 5, at most 90 deg
   double sixth_sign_ = 1;            // -1 if sixth_tilt_ is measured to the reversed axis 6
 
-  // The signs that the measures of Configuration have where the arm is righty, above and noflip. If
-  // the model has no `front`, the arm is righty where the wrist is in the direction of joint 1, and
-  // noflip where joint 5 is positive.
+  // The signs that the three measures in configuration.hpp have where the arm is righty, above and
+  // noflip. If the model has no `front`, the arm is righty where the wrist is in the direction of
+  // joint 1, and noflip where joint 5 is positive.
   double righty_ = 1, above_ = 1, noflip_ = 1;
 };
 

@@ -79,9 +79,10 @@ std::optional<Hold> ArmLead::try_towards(const Frame& target, const ToolLimits& 
   return std::nullopt;
 }
 
-/// Returns why the lead could not brake from `lead` to a place where the arm may stand; nullopt if
-/// it could. If the limits of the tool are lower at that place, the lead needs more distance to
-/// brake. This function then also checks the place that the lead reaches with this longer distance.
+/// Returns why the lead could not brake from the state `lead` to a place where the arm may stand;
+/// nullopt if it could. If the limits of the tool are lower at that place, the lead needs more
+/// distance to brake. This function then also checks the place that the lead reaches with this
+/// longer distance.
 std::optional<Hold> ArmLead::why_not_stop(const ToolLead& lead, const Solution& at,
                                           const Frame& target, const ToolLimits& limits,
                                           double cycle) const {

@@ -67,15 +67,15 @@ class PathBounds {
   /// Returns the values of u = d²s/dt² that the limits allow from the knot `knot` to the next one.
   /// (ds/dt)² is `x` at this knot. The limits are checked at both knots and in the middle.
   Interval over_interval(std::size_t knot, double x) const;
-  /// Like over_interval, but for the rest of the interval: from the fraction `part` of the
-  /// interval, where (ds/dt)² is `x`, to the next knot. The limits of acceleration hold everywhere
-  /// in this rest. Never allocates memory.
+  /// Like over_interval, but for the remaining part of the interval: from the fraction `part` of
+  /// the interval, where (ds/dt)² is `x`, to the next knot. With the returned values, the limits of
+  /// acceleration hold everywhere in this part. Never allocates memory.
   Interval over_rest(std::size_t knot, double part, double x) const {
     return everywhere(knot, part, part, x);
   }
-  /// Returns the greatest deceleration -d²s/dt² with which the limits of acceleration hold
-  /// everywhere from the fraction `part` of the interval after `knot` to the next knot, if the
-  /// motion comes to rest at the next knot. Never allocates memory.
+  /// Consider a motion that comes to rest at the knot after `knot`. Returns the greatest
+  /// deceleration -d²s/dt² with which it keeps the limits of acceleration everywhere from the
+  /// fraction `part` of the interval to its end. Never allocates memory.
   double hardest_to_rest(std::size_t knot, double part) const {
     return -everywhere(knot, part, 1, 0).lower;
   }
@@ -89,7 +89,7 @@ class PathBounds {
   double excess(std::size_t knot, double x, double u) const;
 
  private:
-  /// An interval. The curvature of the path is linear in it.
+  /// One interval of the path. The curvature of the path is linear in s there.
   struct Stretch {
     JointValues slope, curvature;  ///< at the start of the interval
     JointValues change;            ///< of the curvature, up to the end of the interval

@@ -18,8 +18,8 @@ inline double stopping_speed(double distance, double acceleration, double cycle)
   return distance / (count * cycle) + change * (count - 1) / 2;
 }
 
-/// Returns the distance that remains to be covered after a cycle with the speed `speed`, when the
-/// following cycles brake.
+/// Returns the distance that a motion covers after a cycle with the speed `speed` if it brakes in
+/// all following cycles.
 inline double stopping_distance(double speed, double acceleration, double cycle) {
   const double change = acceleration * cycle;
   const double count = std::floor(speed / change);

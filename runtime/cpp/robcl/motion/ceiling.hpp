@@ -19,8 +19,9 @@ class Ceiling {
     std::size_t knot = 0;
     double s = 0, x = 0;
   };
-  /// The planned values of d²s/dt² of a motion. The first value is `u`, up to the next knot but for
-  /// at most `seconds`. The second value is `then`, for `hold` seconds.
+  /// Two successive values of d²s/dt² that are planned for a motion. The motion has the value `u`
+  /// up to the next knot, but for at most `seconds`. Then it has the value `then` for `hold`
+  /// seconds.
   struct Course {
     double u = 0;
     double seconds = 0;

@@ -32,7 +32,7 @@ const JointValues& JointLimiter::follow(const JointValues& target, double cycle)
 }
 
 /// Moves one joint for one cycle. `slowest` never exceeds `fastest`: if a speed is allowed in one
-/// cycle, that speed less one cycle's braking is allowed in the next cycle.
+/// cycle, the speed after one more cycle of braking is allowed in the next cycle.
 void JointLimiter::follow(Eigen::Index axis, double target, double cycle) {
   const arm::JointLimits& limits = limits_[static_cast<std::size_t>(axis)];
   const double here = joints_[axis], now = speeds_[axis];

@@ -25,14 +25,14 @@ class JointLimiter {
   const JointValues& follow(const JointValues& target, double cycle);
   /// Returns the positions, inside the limits, at which the joints come to rest soonest.
   JointValues stop(double cycle) const;
-  /// Sets the speeds of the joints to zero, and the target to their positions.
+  /// Sets the speeds of the joints to zero, and makes their present positions the target.
   void rest();
 
   const JointValues& joints() const { return joints_; }
   /// Returns whether all joints are at the target.
   bool at_target() const { return joints_ == target_; }
-  /// Returns whether each joint is near the target: at most as far away as full acceleration
-  /// changes its position in one cycle.
+  /// Returns whether each joint is near the target. Near means not further away than the distance
+  /// by which full acceleration changes the position of the joint in one cycle.
   bool near_target(double cycle) const;
   bool at_rest() const { return speeds_.isZero(0); }
 

@@ -18,8 +18,8 @@ Offset offset_between(const Frame& from, const Frame& to) {
 }  // namespace
 
 WayAndTurn LineDeviation::bend(double step) const {
-  constexpr double of_even = 32;  // of 16 t²(1 - t)², which is 1 in the middle
-  constexpr double of_odd = 64;   // of 32/3 t(1 - t)(1 - 2t), which is 1 at 1/4
+  constexpr double of_even = 32;  // second derivative of 16 t²(1 - t)² at a knot
+  constexpr double of_odd = 64;   // second derivative of 32/3 t(1 - t)(1 - 2t) at a knot
   const double per_s = 1 / (step * step);
   return {(of_even * even.way + of_odd * odd.way) * per_s,
           (of_even * even.turn + of_odd * odd.turn) * per_s};
@@ -36,13 +36,13 @@ LineDeviation deviation_in(const Path& path, std::size_t interval, const LineOnP
     return offset_between(line.at(s), tool);
   };
   const Offset first = offset_at(begin + step / 4), last = offset_at(begin + 3 * step / 4);
-  constexpr double in_middle = 16.0 / 9;  // of t²(1 - t)², compared with its value at 1/4
+  constexpr double in_middle = 16.0 / 9;  // value of t²(1 - t)² at 1/2, divided by its value at 1/4
   const Offset even{in_middle / 2 * (first.way + last.way),
                     in_middle / 2 * (first.turn + last.turn)};
   const Offset odd{(first.way - last.way) / 2, (first.turn - last.turn) / 2};
   const Offset ahead = offset_between(line.at(begin), line.at(begin + step));
-  constexpr double of_even = 3.0792;   // 16/(3√3): the slope of 16 t²(1 - t)², at most
-  constexpr double of_odd = 32.0 / 3;  // of 32/3 t(1 - t)(1 - 2t), at most
+  constexpr double of_even = 3.0792;   // 16/(3√3): the greatest slope of 16 t²(1 - t)²
+  constexpr double of_odd = 32.0 / 3;  // the greatest slope of 32/3 t(1 - t)(1 - 2t)
   const auto faster = [&](const Eigen::Vector3d& direction, const Eigen::Vector3d& of_even_part,
                           const Eigen::Vector3d& of_odd_part) {
     const Eigen::Vector3d along = direction.stableNormalized();

@@ -19,8 +19,8 @@ using arm::Singular;
 
 constexpr double joint_jump = 0.1;  // rad per joint between the closest knots; else the line fails
 constexpr std::size_t most_parts = 8;  // of an interval, where joints turn fast
-/// A path whose tool is further than this from its line, in m, is made again with more knots,
-/// `finest` times at most.
+/// If the tool is further than this distance, in m, from its line, the path is made again with more
+/// knots, at most `finest` times.
 constexpr double near_line = mm(0.04);
 constexpr int finest = 2;
 constexpr std::size_t fewest = 50, most = 4000;
@@ -36,7 +36,8 @@ Failure with_place(Failure failure, const arm::PlaceOnLine& where) {
 
 Singular leaves_line(const arm::PlaceOnLine& where, double away) {
   std::ostringstream text;
-  text << to_string(where) << " the joints would have to turn so fast that the tool leaves its line"
+  text << to_string(where)
+       << ": the joints would have to turn so fast that the tool leaves its line"
        << " by " << std::fixed << std::setprecision(3) << in_mm(away)
        << " mm; avoid the singularity or use a joint move";
   return Singular{text.str()};
@@ -48,7 +49,7 @@ struct Turn {
   double angle = 0;
 };
 
-/// Walks along a line from one joint position to the next.
+/// Computes the joint positions for the places on a line, one place after the other.
 class LineWalk {
  public:
   /// `finer`: the number of times that the usual distance between knots is halved.
@@ -64,8 +65,8 @@ class LineWalk {
   /// Returns by how much a joint may turn between two knots, in rad.
   double furthest() const { return furthest_; }
 
-  /// Walks from the fraction `start` of the line to its fraction `end` and adds the knots that are
-  /// needed to `knots`. Where a joint turns fast, the knots are closer together.
+  /// Walks from the fraction `start` of the line to its fraction `end`. Adds to `knots` as many
+  /// knots as this part of the line needs. Where a joint turns fast, the knots are closer together.
   tl::expected<void, Failure> walk(double start, double end, double duration, Path::Knots& knots) {
     const PoseWalk::Place begin = walk_.at();
     for (std::size_t parts = 1;; parts *= 2) {
@@ -131,7 +132,7 @@ class LineWalk {
 
   Singular too_fast(const Turn& turn, double part, double each) const {
     std::ostringstream text;
-    text << to_string(line_.place(part)) << " joint " << turn.axis + 1 << " would have to turn "
+    text << to_string(line_.place(part)) << ": joint " << turn.axis + 1 << " would have to turn "
          << std::fixed << std::setprecision(1) << in_deg(turn.angle) << " deg within "
          << std::setprecision(2);
     if (line_.length() > 0) {

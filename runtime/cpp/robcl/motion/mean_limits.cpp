@@ -14,8 +14,8 @@ constexpr double most_reduced = 0.8;
 // mean over both parts can be greater.
 constexpr double reserve = 0.014;  // of the limits of acceleration
 constexpr int samples = 30;        // in a window
-// The maximum number of samples of a motion. It is reached by motions that take minutes or days.
-// Such a slow motion changes little within a window, so the samples may be further apart.
+// The maximum number of samples of a motion. Only motions that take minutes or days reach this
+// number. Such a slow motion changes little within a window, so the samples may be further apart.
 constexpr int most_samples = 20'000;
 
 /// The bend of a path: the second and third derivative of a joint, divided by the joint's limit of

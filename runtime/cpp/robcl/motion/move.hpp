@@ -36,8 +36,8 @@ struct Move {
 };
 
 /// Lowers the cap of an interval on a line, so that the tool keeps the limits `speed`, in m/s and
-/// rad/s. Beside its line, where the arm deviates from it, the tool moves and turns faster than on
-/// the line. `faster`: the greatest difference, in m and rad per unit of the path parameter s.
+/// rad/s. Where the tool deviates from its line, it moves and turns faster than on the line.
+/// `faster`: the greatest difference, in m and rad per unit of the path parameter s.
 void lower_cap(IntervalLimits& limits, const WayAndTurn& speed, const WayAndTurn& faster);
 
 /// Returns the speed of the tool on the line of `move`, in m and rad per unit of s; zeros for a
@@ -47,7 +47,7 @@ WayAndTurn tool_speed(const Move& move);
 /// Returns the limits of the tool at `pace`.
 ToolLimits scaled(const ToolLimits& limits, const Pace& pace);
 
-/// Returns the limits of each interval of `move`, with the limits of the tool `limits`.
+/// Returns the limits of each interval of `move`. `limits` are the limits of the tool.
 std::vector<IntervalLimits> limits_of(const Move& move, const ToolLimits& limits);
 /// Returns the limits of each interval of `move` that apply while the arm brakes on the path. They
 /// are the limits of a move at full pace, whatever the pace of `move`.

@@ -170,8 +170,8 @@ MoveChain::MoveChain(Planner& planner, Move first)
   if (last_.line) course_.lines.push_back(line_part(last_, 0, last_.duration(), 0));
 }
 
-/// Returns the part from `begin` to `end` of the path on which the tool moves along the line of
-/// `move`, which starts at `start`.
+/// Returns the part of the path, from `begin` to `end`, on which the tool moves along the line of
+/// `move`. `start` is the place on the path at which the line starts.
 MoveChain::LinePart MoveChain::line_part(const Move& move, double begin, double end,
                                          double start) const {
   const auto speed_of = [&](const Pace& pace) {
@@ -195,8 +195,9 @@ std::optional<std::size_t> MoveChain::first_knot_after(double time, double last_
   return std::nullopt;
 }
 
-/// Returns the last knot that the motion has passed when the window of the smoothing that ends at
-/// `knot` begins. Returns 0, the start of the path, if there is no such knot.
+/// Consider the window of the smoothing that ends when the motion is at `knot`. Returns the last
+/// knot that the motion passes no later than the beginning of this window; 0, the start of the
+/// path, if there is no such knot.
 std::size_t MoveChain::first_in_window_before(std::size_t knot) const {
   const double begin = plan_.law.time(knot) - planner_.smoothing().window;
   std::size_t first = knot;
@@ -204,9 +205,9 @@ std::size_t MoveChain::first_in_window_before(std::size_t knot) const {
   return first;
 }
 
-/// Returns the part of the chain from the knot `start` to the place `end`, which becomes a knot
-/// with the joint positions `at_end`. The path stays the same up to the knot `entry`, and where the
-/// new knot has no influence on its slopes.
+/// Returns the part of the chain from the knot `start` to the place `end`. The place `end` becomes
+/// a knot with the joint positions `at_end`. The path does not change up to the knot `entry`.
+/// Behind `entry`, the path does not change where the new knot has no influence on its slopes.
 MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry, double end,
                                             const JointValues& at_end) const {
   Course course;
@@ -215,8 +216,8 @@ MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry
   constexpr double rounding = 1e-6;  // of an interval
   const std::size_t last_interval = plan_.path.intervals() - 1;
   for (std::size_t i = start; course.knots.places.back() < end; ++i) {
-    // If the last overlap ends at `end`, its last knot can be slightly before `end` because of
-    // rounding.
+    // If an overlap ends at `end`, the last knot of that overlap can be slightly before `end`
+    // because of rounding.
     if (i == entry && end - plan_.path.place(i) < rounding * plan_.path.step(i)) break;
     // A knot just before the end would make a very short interval, so the end replaces this knot.
     // The knots of a short corner are close together, and are not left out.
@@ -324,7 +325,8 @@ std::optional<std::vector<JointValues>> MoveChain::overlap_joints(const Overlap&
   return all;
 }
 
-/// Returns the limits of the motion in the overlap: while it moves, and while it brakes.
+/// Returns two sets of limits for the overlap: for the planned motion, and for a motion that brakes
+/// on the path.
 std::pair<IntervalLimits, IntervalLimits> MoveChain::limits_in(const Overlap& overlap) const {
   const Move &last = overlap.last, &next = overlap.next;
   const ToolLimits& full = planner_.tool_limits();
@@ -416,8 +418,8 @@ void MoveChain::add_move(Course& course, const Overlap& overlap, const Overlap* 
 }
 
 /// Computes by how much the tool bends away from its lines in the new intervals of `path`, which
-/// has the knots of `course`, and notes it in the limits of `course`. These intervals can be longer
-/// than those of the moves, or have other slopes. Returns false if the tool leaves a line.
+/// has the knots of `course`, and adds the result to the limits of `course`. These intervals can be
+/// longer than those of the moves, or have other slopes. Returns false if the tool leaves a line.
 bool MoveChain::keeps_to_lines(Course& course, const Path& path) const {
   const std::size_t known = course.knots.first_slopes.size();
   std::size_t i = known > 0 ? known - 1 : 0;
@@ -510,7 +512,8 @@ std::optional<std::vector<MoveChain::Overlap>> MoveChain::overlaps_with(
   return overlaps;
 }
 
-/// The tool passes the corner in the middle of the overlap only if both moves have the same speed.
+/// Returns the corner of `overlap`. Searches for the place at which the tool is nearest to the
+/// goal. This place is in the middle of the overlap only if both moves have the same speed.
 MoveChain::Corner MoveChain::corner_of(const Plan& plan, const Overlap& overlap) const {
   const auto tool_at = [&](const JointValues& joints) {
     return planner_.base_from_tool(joints, overlap.next.flange_from_tool);

@@ -59,8 +59,8 @@ class MoveChain {
   double ends() const { return begins_ + plan_.law.duration(); }
   double end() const { return plan_.path.end(); }  ///< s
   const JointValues& goal() const { return plan_.goal(); }
-  /// Returns the time at which the motion is at the place `s`; nullopt if `s` is before the path of
-  /// plan().
+  /// Returns the time at which the motion is at the place `s`; nullopt if the path of plan() begins
+  /// behind `s`.
   std::optional<double> time_at(double s) const;
 
  private:

@@ -15,7 +15,8 @@ struct ToolLimits {
   double turn_acceleration = deg(720);  ///< rad/s²
 };
 
-/// The limits that a caller requests for a move. The slowest of all limits applies.
+/// The limits that a caller requests for a move. The arm keeps all of them, so that the lowest
+/// limit determines the motion.
 struct Pace {
   double speed = 1;                    ///< fraction of the robot's maximum, above 0, at most 1
   double acceleration = 1;             ///< fraction of the robot's maximum, above 0, at most 1

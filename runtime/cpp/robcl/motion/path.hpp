@@ -81,9 +81,8 @@ struct OutsideOnPath {
   arm::JointLimit limit;
   double s = 0;
 };
-/// Returns the joint that is furthest outside its limits in the first interval of `path` in which a
-/// joint leaves them, and the knot at which this interval begins; nullopt if all joints stay
-/// inside.
+/// Finds the first interval of `path` in which a joint leaves its limits. Returns such a joint, and
+/// s at the knot at which this interval begins; nullopt if all joints stay inside their limits.
 std::optional<OutsideOnPath> first_outside(const arm::ArmModel& model, const Path& path);
 
 }  // namespace robcl::motion

@@ -18,8 +18,9 @@ struct Smoothing {
   double window = 0;       ///< length of the window in s
   double rise = 0;         ///< time in s in which an acceleration may rise from 0 to its limit
 
-  /// The limit of jerk with which an acceleration rises to its limit in `rise` s, for set points
-  /// that are `cycle` s apart. There is no limit if `rise` is 0.
+  /// Returns the limit of jerk with which an acceleration rises from 0 to its own limit in `rise`
+  /// seconds, for set points that are `cycle` seconds apart. There is no limit of jerk if `rise` is
+  /// not longer than `cycle`.
   static Smoothing over(double rise, double cycle);
 
   bool on() const { return cycles > 1; }

@@ -19,7 +19,7 @@ class TimeLaw {
     double acceleration = 0;  ///< d²s/dt², 1/s²
   };
 
-  /// Values of d²s/dt².
+  /// The least and the greatest of some values of d²s/dt².
   struct Range {
     double least = 0, greatest = 0;
     void add(double value) {
@@ -72,8 +72,8 @@ class TimeLaw {
   double acceleration(std::size_t knot) const {
     return (squares_[knot + 1] - squares_[knot]) / (2 * (places_[knot + 1] - places_[knot]));
   }
-  /// Returns the values of d²s/dt² from the time `from` to the time `to`, in s. Never allocates
-  /// memory.
+  /// Returns the least and the greatest d²s/dt² from the time `from` to the time `to`, in s. Never
+  /// allocates memory.
   Range accelerations(double from, double to) const;
   /// Returns the time in s at which this time law is at the knot `knot`.
   double time(std::size_t knot) const { return times_[knot]; }

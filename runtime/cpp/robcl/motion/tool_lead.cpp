@@ -19,7 +19,8 @@ Frame after(const Frame& pose, const Vector3d& way, const Vector3d& turn) {
   return Frame(pose.position() + way, turned * pose.orientation());
 }
 
-/// Returns the speed that is nearest to `wanted` and that `acceleration` allows after `now`.
+/// Returns the speed after the next cycle for a motion that has the speed `now`: the speed nearest
+/// to `wanted` that it can reach with at most the acceleration `acceleration`.
 Vector3d nearest_allowed(const Vector3d& now, const Vector3d& wanted, double acceleration,
                          double cycle) {
   const Vector3d change = wanted - now;

@@ -5,7 +5,7 @@
 
 namespace robcl::motion {
 
-/// A tool frame that moves to a target in each control cycle, within limits of speed and
+/// A tool frame that moves towards a target in each control cycle, within limits of speed and
 /// acceleration. The target may change in each cycle. A value type that never allocates memory.
 struct ToolLead {
   Frame pose;                                            ///< seen from the base

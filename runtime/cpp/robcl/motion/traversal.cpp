@@ -27,14 +27,14 @@ void Traversal::advance(double seconds) {
   }
 }
 
-/// Notes that d²s/dt² was `u` in this cycle.
+/// Records that d²s/dt² has had the value `u` in this cycle.
 void Traversal::note(double u) {
   least_.newest() = std::min(least_.newest(), u);
   greatest_.newest() = std::max(greatest_.newest(), u);
 }
 
-/// Notes the least and the greatest d²s/dt² of the plan from the time `from` to the time `to`. They
-/// may differ, because a cycle may pass several knots.
+/// Records the least and the greatest d²s/dt² of the plan from the time `from` to the time `to`.
+/// The two values may differ, because the motion may pass several knots in one cycle.
 void Traversal::note_law(double from, double to) {
   const TimeLaw::Range range = plan().law.accelerations(from, to);
   note(range.least);
@@ -205,7 +205,7 @@ bool Traversal::can_follow_law() const {
 /// Returns whether rounding may have stopped the joints just before the goal: for so short a way,
 /// d²s/dt² is too small for `greatest_admitted` to find.
 bool Traversal::nearly_at_goal() const {
-  constexpr double negligible = 1e-8;  // rad, and of the speed 1
+  constexpr double negligible = 1e-8;  // rad, or 1/s as ds/dt
   if (speed_ > negligible) return false;
   const Path& path = plan().path;
   const JointValues& goal = path.knot(path.intervals());
