@@ -15,9 +15,9 @@
 namespace gecos::media {
 
 /// The list of all media; the medium with the shortest reach comes first. Each line has the
-/// enumerator of a medium, and the name of the medium and of its folder. To add a medium, add its
-/// folder and one line here (see registration.hpp). Other code must check the Capabilities, not the
-/// enumerator.
+/// enumerator of a medium and the name of the medium, which is also the name of its folder. To add
+/// a medium, add its folder and one line here (see registration.hpp). Other code must check the
+/// Capabilities, not the enumerator.
 #define GECOS_MEDIA(MEDIUM) \
   MEDIUM(Inproc, inproc)    \
   MEDIUM(Shm, shm)          \
@@ -69,7 +69,7 @@ bool open_to_this_user(std::string_view identity);
 /// if this program runs as root or as `gecos`, and its runtime directory is open to all users.
 bool open_to_other_users();
 
-/// The name, in texts for people, of the servers that programs of all users can reach over shm; see
+/// What texts for people call the servers that programs of all users can reach over shm; see
 /// serves_all_users.
 inline constexpr std::string_view servers_of_all_users = "servers of root and of gecos";
 

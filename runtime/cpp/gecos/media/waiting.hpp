@@ -64,9 +64,9 @@ struct SpinOptions {
 ///
 /// *The present cost of a wake-up.* This is the mean time from the peer's notification to the end
 /// of the sleep. A wait polls for this time and then sleeps. Therefore a wait costs at most twice
-/// as much as the better of the two ways would have cost. Time in which another program had the
-/// core does not count. A long wait halves the polling time of later waits, so that long waits need
-/// hardly any CPU time.
+/// as much as the better choice, polling only or sleeping at once, would have cost. Time in which
+/// another program had the core does not count. A long wait halves the polling time of later waits,
+/// so that long waits need hardly any CPU time.
 ///
 /// If a yield takes at least the time `lost_core`, it gave the core to an unrelated program. For
 /// some time afterwards, waits for a peer on this core sleep at once, because a wake-up takes the

@@ -29,9 +29,9 @@
 namespace gecos::media {
 
 inline constexpr std::size_t largest_bulk_packet = std::size_t{32} << 20;
-/// The size of an area. This is about the number of bytes that the memory can move in one
-/// maintenance tick (10 ms). So a sender that finds no room can wait for the next tick, and the
-/// throughput is not limited by this wait.
+/// The size of an area, in bytes. About this many bytes can be copied in one maintenance tick (10
+/// ms). A sender that finds the area full waits for the next tick; an area of this size keeps that
+/// wait from limiting the throughput.
 inline constexpr std::size_t area_bytes = std::size_t{64} << 20;
 inline constexpr unsigned area_kept = 100;  ///< number of heartbeats: 10 s
 
@@ -100,7 +100,7 @@ class BulkWriter {
 /// thread may call the other functions.
 class BulkReader final : public BulkSource {
  public:
-  /// `look` must process the announcements of areas that have arrived from the writer.
+  /// `look` must process the messages that have arrived from the writer and announce areas.
   explicit BulkReader(std::function<void()> look) : look_(std::move(look)) {}
 
   /// Sets `area`, which has the number `number`, as the current area in place of the previous area.

@@ -40,9 +40,9 @@ class SlotFiller {
 };
 
 /// Returns an approximation of CLOCK_BOOTTIME in milliseconds, at a cost of a few nanoseconds. All
-/// processes that have noted the last suspension of the host (suspension.hpp) get the same value. A
-/// process that has not noted this suspension yet gets a smaller value, so that its packets look
-/// older than they are.
+/// processes that have measured the last suspension of the host (note_suspension) get the same
+/// value. A process that has not measured this suspension yet gets a smaller value, so that its
+/// packets look older than they are.
 std::uint32_t coarse_milliseconds() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);

@@ -74,9 +74,9 @@ class StreamRingWriter : public StreamWriter {
   const std::shared_ptr<SleeperList>& sleepers() const { return sleepers_; }
 
  protected:
-  /// Makes the writer continue in other memory of the same size, and copies the stored samples to
-  /// this memory. Memory that is lent stays with its borrower; publish_lent() then copies the
-  /// sample of the borrower.
+  /// Makes the writer continue in `memory`, which has the same size as its present memory, and
+  /// copies the stored samples into `memory`. A borrower of lent memory keeps its place in the old
+  /// memory; publish_lent() then copies the borrower's sample into `memory`.
   void move_to(StreamMemory memory, std::shared_ptr<void> owner);
 
  private:

@@ -64,8 +64,8 @@ enum class Role : std::uint8_t { Client, Server };
 using PutLayer = std::function<std::unique_ptr<Connection>(std::unique_ptr<Connection>,
                                                            const Capabilities&, Role)>;
 
-/// Makes a medium that calls `put` to wrap every connection of `inner`. Its acceptors do not wrap
-/// the streams of `inner`.
+/// Makes a medium that calls `put` to wrap every connection of `inner`. A stream that an acceptor
+/// of the new medium makes is a stream of `inner`, without a layer.
 std::unique_ptr<Medium> make_layer(std::unique_ptr<Medium> inner, const Capabilities& capabilities,
                                    PutLayer put);
 

@@ -10,11 +10,12 @@
 
 /// The medium lcm: UDP multicast through the library LCM, for programs on several hosts.
 ///
-/// Each object has a separate UDP port for calls, and each client has a separate UDP port for
-/// answers. The reason is that the kernel wakes every process that listens on a port, whatever the
-/// multicast group or LCM channel of the datagram. Each sample of a stream is sent once for all
-/// readers. All packets are sealed (gecos/media/sealed); the code in this folder only sends and
-/// receives datagrams. Packets may be lost and reordered; the session puts them in order.
+/// Each object receives calls on a UDP port of its own. Each program receives answers on up to
+/// eight UDP ports of its own, which its connections share. The reason is that the kernel wakes
+/// every process that listens on a port, whatever the multicast group or LCM channel of the
+/// datagram. Each sample of a stream is sent once for all readers. All packets are sealed
+/// (gecos/media/sealed); the code in this folder only sends and receives datagrams. Packets may be
+/// lost and reordered; the session puts them in order.
 namespace gecos::media {
 
 struct LcmOptions {

@@ -21,7 +21,8 @@
 
 namespace gecos::media {
 
-/// Returns the client that has proved a key. The owner of the key comes from the key directory.
+/// Returns the description of a client that has proved its key: the key and, from the key
+/// directory, the user and host to whom the key belongs.
 Peer peer_of(const HandshakeResponder::PendingPeer& pending, const HandshakeResponder& responder);
 
 /// The part of a connection that clients and servers have in common: sends packets, and takes

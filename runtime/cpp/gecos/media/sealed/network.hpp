@@ -28,11 +28,11 @@ class DatagramPort {
 
   virtual ~DatagramPort() = default;
   /// Makes pump() pass the datagrams of `channel` to `take` from now on. Returns the number of the
-  /// subscription. A `take` function must not call this function. Any thread may call it.
+  /// subscription. Any thread may call this function, but a `take` function must not.
   virtual tl::expected<std::uint64_t, MediumError> subscribe(const std::string& channel,
                                                              Take take) = 0;
-  /// Ends a subscription, and waits until its `take` function has returned. A `take` function must
-  /// not call this function. Any thread may call it.
+  /// Ends a subscription, and waits until its `take` function has returned. Any thread may call
+  /// this function, but a `take` function must not.
   virtual void unsubscribe(std::uint64_t subscription) = 0;
   /// Returns a file descriptor that is readable when pump() has something to do; -1 before the
   /// first subscription.
@@ -68,8 +68,8 @@ class DatagramNetwork {
   /// Returns the number of the port on which a new connection is to receive; the caller passes the
   /// number to shared(). If a network returns a number again, several connections share the port.
   virtual std::uint16_t draw_reply_port() const = 0;
-  /// Returns the network whose name in addresses is `name`. This is usually the network of this
-  /// object.
+  /// Returns the network whose name in addresses is `name`. Usually this is the network on which
+  /// the function is called.
   virtual std::shared_ptr<const DatagramNetwork> named(const std::string& name) const = 0;
   /// Returns a text for the user when no server answers. The text says why packets may not arrive.
   /// It may be empty.

@@ -72,8 +72,8 @@ class ReceiveQueue final : public Sleeper {
   /// Returns whether a packet was decrypted. This proves that the peer has the keys of the channel.
   bool heard() const { return beats() != 0; }
   std::uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
-  /// Returns the value of Connection::beats_read. The reader has handled a packet when it calls
-  /// `pop` again.
+  /// Returns the value of Connection::beats_read. A packet that `pop` has returned counts as read
+  /// when the reader calls `pop` again.
   std::uint64_t beats_read() const { return beats_read_.load(std::memory_order_relaxed); }
   bool closed() const { return closed_.load(std::memory_order_acquire); }
   /// Returns why the server has refused this client. The text is empty while the server has not

@@ -98,7 +98,7 @@ std::string occupied(const std::string& path) {
          std::to_string(*server->pid) + "), or " + elsewhere;
 }
 
-/// Removes the sockets that killed servers have left. Their names have the form
+/// Removes the sockets that killed servers have left behind. The name of such a socket has the form
 /// "<name>.<pid>.<number>.sock". @pre the caller holds the lock of the directory.
 void sweep(const std::string& directory) {
   DIR* const opened = ::opendir(directory.c_str());
@@ -108,7 +108,7 @@ void sweep(const std::string& directory) {
     if (!name.ends_with(".sock")) continue;
     const std::size_t dot = name.find('.');
     const auto pid = static_cast<pid_t>(std::atol(name.c_str() + dot + 1));
-    // Sockets of living processes are skipped: server_is_dead connects to the socket, so that a
+    // The sockets of living processes are skipped, because server_is_dead connects to a socket: a
     // living server would get a connection without a Hello message.
     if (pid <= 0 || (::kill(pid, 0) == 0 || errno != ESRCH)) continue;
     const std::string path = directory + "/" + name;
