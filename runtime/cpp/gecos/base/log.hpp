@@ -30,9 +30,9 @@ inline constinit std::atomic<std::uint8_t> log_level{log_level_unread};
 bool read_log_level(LogLevel level);
 }  // namespace detail
 
-/// Returns whether the log writes lines of this level. Callers check it before they build a costly
-/// text: `if (log_enabled(LogLevel::Debug)) …`. When the level is off, the check costs one relaxed
-/// load.
+/// Returns whether the log writes lines of this level. Code that builds a costly text should call
+/// this function first: `if (log_enabled(LogLevel::Debug)) …`. When the level is off, the check
+/// costs one relaxed load.
 inline bool log_enabled(LogLevel level) {
   const std::uint8_t chosen = detail::log_level.load(std::memory_order_relaxed);
   if (static_cast<std::uint8_t>(level) > chosen) return false;
