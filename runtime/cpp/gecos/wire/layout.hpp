@@ -190,7 +190,7 @@ std::string wrong_inside(const Step& step, const T& value, const char* label) {
   }
 }
 
-/// An optional value.
+/// The encoding of an optional value.
 template <class Step>
 struct Optional {
   constexpr Optional() = default;
@@ -270,7 +270,7 @@ struct Elements {
   Step step;
 };
 
-/// A fixed array.
+/// The encoding of an array of fixed size.
 template <class Step>
 struct Array : Elements<Step> {
   constexpr Array() = default;
@@ -333,7 +333,7 @@ struct Items : Elements<Step> {
   }
 };
 
-/// A map of at most `bound` entries.
+/// The encoding of a map of at most `bound` entries.
 template <class KeyStep, class ValueStep, std::size_t bound = wire::npos>
 struct Entries {
   constexpr Entries() = default;
@@ -399,8 +399,8 @@ struct StepOf<std::map<Key, T, Order>> {
   using type = Entries<DefaultStep<Key>, DefaultStep<T>>;
 };
 
-// --------------------------------------------------------------------------------------------- The
-// types of `each`
+// ---------------------------------------------------------------------------------------------
+// The types of `each`
 
 class Sizing {
  public:

@@ -77,7 +77,7 @@ void encode_packet_head(std::span<std::byte, packet_head_size> to, const PacketH
 /// @pre `packet` is an encoded packet, and `left` is not negative
 void write_deadline(std::span<std::byte> packet, Duration left);
 
-/// Writes the bytes between the body and the tag of a packet, which contain the size of the tag.
+/// Writes the bytes of a packet between its body and its tag. They contain the size of the tag.
 void encode_packet_tail(std::span<std::byte, packet_tail_size> to, std::size_t tag_size);
 
 /// Returns a complete packet in one buffer. Copies the body and the tag.
