@@ -15,8 +15,8 @@ struct KeyError {
   bool passing = false;  ///< no descriptor or memory was left: this says nothing about a key
 };
 
-/// The user to whom a key belongs, and the host on which that user has it. Only the user of the
-/// directory decides this; the claims of a peer have no influence.
+/// The user to whom a key belongs, and the host on which that user has it. Only the user who has
+/// the key directory decides this; the claims of a peer have no influence.
 struct KeyOwner {
   static constexpr std::size_t longest = 255;  ///< characters of "user@host"
   std::string user;
@@ -35,11 +35,12 @@ struct KeyOwner {
 ///     <64 hex digits>.public  the public key of an admitted user; its name is the key
 ///     <64 hex digits>.owner   the owner of that key, such as "anna@desk"; may be missing
 ///
-/// Only the user may access the directory (mode 0700) and its files (mode 0600); other users may
-/// read a .public file. A user who has the same home directory on several hosts has one key. To let
-/// two users connect, each user adds the .public file of the other user, with the name of its
-/// owner, by `gecos keys add FILE USER@HOST`. A key without a .owner file counts as another key of
-/// this user, and no list of users excludes this user.
+/// Only the user may access the directory (mode 0700) and its files (mode 0600). Only a .public
+/// file and a .owner file may also have permissions for other users to read it. A user who has the
+/// same home directory on several hosts has one key. To let two users connect, each user adds the
+/// .public file of the other user, with the name of its owner, by `gecos keys add FILE USER@HOST`.
+/// A key without a .owner file counts as another key of this user, and no list of users excludes
+/// this user.
 class KeyDirectory {
  public:
   /// Returns the path of the user's key directory: $GECOS_KEY_DIR if that variable is set, else
@@ -62,8 +63,8 @@ class KeyDirectory {
   /// when the file is damaged or holds another key, when other users may write it, or when it has
   /// an owner that cannot be read.
   tl::expected<void, KeyError> admission(const PublicKey& key) const;
-  /// Returns the owner of `key`, as the key file of `key` states it. Returns nullopt when `key` has
-  /// no key file, or when the file states no owner. Fails when the file cannot be read, or when
+  /// Returns the owner of `key`, as the .owner file of `key` states it. Returns nullopt when there
+  /// is no such file. Fails when the file cannot be read, when it does not name an owner, or when
   /// other users may write it.
   tl::expected<std::optional<KeyOwner>, KeyError> owner(const PublicKey& key) const;
   bool is_admitted(const PublicKey& key) const { return admission(key).has_value(); }
