@@ -9,8 +9,8 @@ namespace gecos::qos {
 
 /// Judges whether the round trip of a connection stays within its bound. The connection becomes
 /// degraded when every probe of the last `judged_after` exceeded the bound, and recovers when every
-/// probe of the last `judged_after` kept it. Therefore a single slow answer changes nothing, and
-/// two changes are at least `judged_after` apart. Reads no clock. Not thread-safe.
+/// probe of the last `judged_after` stayed within the bound. Therefore a single slow answer changes
+/// nothing, and two changes are at least `judged_after` apart. Reads no clock. Not thread-safe.
 class LatencyWatch {
  public:
   static constexpr Duration judged_after = std::chrono::seconds(1);

@@ -7,7 +7,7 @@
 namespace gecos::qos {
 namespace {
 
-/// "shm was measured at 3ms"
+/// Returns a text such as "shm was measured at 3ms".
 std::string measured(const LineCapabilities& line) {
   const auto& [round_trip, answered] = *line.latency;
   return line.name + (answered ? " was measured at " : " gave no answer within ") +
