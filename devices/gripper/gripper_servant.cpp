@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto beat = 10ms;              // period at which the jaws are polled
-constexpr auto world_takes_notice = 2s;  // longest delay until the world shows a held body
+constexpr auto world_takes_notice = 2s;  // longest delay until the world shows a change
 
 /// Makes the exception `Exception`, robcl::WidthOutOfRange or robcl::ForceOutOfRange, from
 /// `refused`.

@@ -31,7 +31,8 @@ class Carrier {
   std::string name() const;
 
   /// Connects or reconnects to the flange's stream when needed. Must be called regularly, on a
-  /// thread that may block for up to 0.2 s.
+  /// thread that may block: a call takes up to 0.2 s while the object is not online, and up to one
+  /// second more to open the stream.
   void tick();
 
   /// Returns the frame of the carrier in the world, or the reason why the frame is unknown.
@@ -54,8 +55,9 @@ class Mounting {
   std::string parent() const { return carrier_.name(); }
   /// Returns the frame of the base in the world, or the reason why the frame is unknown.
   gecos::Result<robcl::Frame> base();
-  /// Mounts the device on another carrier. Waits for the first sample of the new carrier's stream.
-  /// If no sample arrives, fails with robcl::MountRefused and changes nothing.
+  /// Mounts the device on the flange of the arm `carrier`, or in the world if `carrier` is empty.
+  /// First connects to the arm and opens the stream of its flange. If that is impossible, fails
+  /// with robcl::MountRefused and changes nothing. Does not wait for a sample of the stream.
   gecos::Result<void> mount(const std::string& carrier, const robcl::Frame& carrier_from_base);
 
  private:
