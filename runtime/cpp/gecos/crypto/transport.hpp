@@ -81,9 +81,9 @@ std::string_view to_string(OpenProblem problem);
 
 class Opener {
  public:
-  /// The number of successive generations of which all packets may be lost. A limit is needed
-  /// because a forged frame can name any generation, and each generation costs the computation of a
-  /// key.
+  /// A packet may be ahead of the newest opened packet by at most this number of generations. A
+  /// limit is needed because a forged frame can name any generation, and each generation costs the
+  /// computation of a key.
   static constexpr std::uint32_t most_lost_generations = 8;
   /// For this time after a change of the key, packets that were sealed under the previous key can
   /// still be opened.
