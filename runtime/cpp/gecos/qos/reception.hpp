@@ -44,7 +44,8 @@ class Reception {
   void find_nothing(TimePoint now);
   /// Returns whether the reader may get the last sample once more at the time `now`.
   bool still_valid(TimePoint now) const;
-  /// Returns true once for each time without a sample that is longer than the deadline.
+  /// Returns true once after find_nothing() has found that a deadline has passed without a sample.
+  /// Returns true again only after a further sample and a further deadline that has passed.
   bool report_late();
   /// Returns the time from which find_nothing() makes report_late() return true. Returns
   /// TimePoint::max() without a deadline, and when report_late() has already reported the present
