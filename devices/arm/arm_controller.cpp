@@ -290,7 +290,7 @@ void ArmController::move(std::uint64_t missed) {
   if (missed > most_delayed) generator_->rest();
   try {
     loop_.command = generator_->advance(drives_.period);
-  } catch (const std::exception&) {
+  } catch (...) {  // some exceptions of KDL do not derive from std::exception
     loop_.command.setConstant(std::numeric_limits<double>::quiet_NaN());
     return;
   }

@@ -1,13 +1,21 @@
 #include "devices/arm/motion_call.hpp"
 
+#include <string>
 #include <variant>
+
+#include "gecos/base/whole_characters.hpp"
 
 namespace devices {
 namespace {
 
+/// Returns the beginning of `reason` that an exception of manipulator.gidl can carry.
+std::string shortened(const std::string& reason) {
+  return std::string(gecos::whole_characters(reason, 160));
+}
+
 struct AsFault {
   gecos::Fault operator()(const robcl::arm::OutOfReach& failure) const {
-    return robcl::OutOfReach{failure.reason.substr(0, 160)};
+    return robcl::OutOfReach{shortened(failure.reason)};
   }
   gecos::Fault operator()(const robcl::arm::JointLimit& failure) const {
     robcl::JointLimit limit{.axis = static_cast<std::uint32_t>(failure.axis),
@@ -21,7 +29,7 @@ struct AsFault {
     return limit;
   }
   gecos::Fault operator()(const robcl::arm::Singular& failure) const {
-    return robcl::Singular{failure.reason.substr(0, 160)};
+    return robcl::Singular{shortened(failure.reason)};
   }
   gecos::Fault operator()(const Interrupted&) const { return gecos::Fault::interrupted(); }
   gecos::Fault operator()(const CorrectionsStopped& failure) const {

@@ -21,7 +21,8 @@ std::optional<double> as_number(const std::string& text) {
 
 Option clock_option() {
   const char* const of_laboratory = std::getenv("ROBCL_CLOCK");
-  return {"clock", of_laboratory == nullptr ? "1" : of_laboratory,
+  const bool set = of_laboratory != nullptr && *of_laboratory != '\0';
+  return {"clock", set ? of_laboratory : "1",
           "simulated seconds per second of real time; default: ROBCL_CLOCK, if set"};
 }
 
@@ -49,7 +50,7 @@ void CommandLine::check_clock() {
 }
 
 std::string CommandLine::name_of_clock() const {
-  return text("clock") == options_.back().standard ? "ROBCL_CLOCK" : "'--clock'";
+  return clock_given_ ? "'--clock'" : "ROBCL_CLOCK";
 }
 
 void CommandLine::need_real_time(const std::string& why) {
@@ -79,6 +80,7 @@ void CommandLine::read(int count, char** words) {
       return refuse("'" + word + "' needs a number, not '" + words[at] + "'");
     }
     values_[option->word] = words[at];
+    clock_given_ = clock_given_ || option == options_.end() - 1;
   }
 }
 

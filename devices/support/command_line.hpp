@@ -60,6 +60,7 @@ class CommandLine {
   std::string program_, purpose_, operand_;
   std::vector<Option> options_;
   std::map<std::string, std::string, std::less<>> values_;
+  bool clock_given_ = false;
   gecos::Admission admission_ = gecos::Admission::Listed;
   std::optional<int> exit_status_;
 };

@@ -122,5 +122,19 @@ TEST_F(Log, ALineThatAPipeDoesNotTakeAtOnceLosesItsMiddle) {
   EXPECT_TRUE(line.ends_with("xxx end\n"));
 }
 
+TEST_F(Log, AShortenedLineKeepsWholeCharacters) {
+  for (const std::string shift : {"", "s", "sh", "shi"}) {
+    UnreadStderr unread;
+    std::string text = shift;
+    for (int i = 0; i < 30'000; ++i) text += "€";  // three bytes
+    log_warning("test", text);
+    std::string line = unread.read();
+    EXPECT_LE(line.size(), std::size_t{PIPE_BUF});
+    EXPECT_GE(line.size(), std::size_t{PIPE_BUF} - 4);
+    for (std::size_t at; (at = line.find("€")) != std::string::npos;) line.erase(at, 3);
+    EXPECT_EQ(line, "gecos warning test: " + shift + " … \n");
+  }
+}
+
 }  // namespace
 }  // namespace gecos

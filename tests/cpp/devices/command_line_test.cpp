@@ -87,6 +87,8 @@ TEST(CommandLine, EveryProgramHasAClockWhoseDefaultIsThatOfTheLaboratory) {
   ::setenv("ROBCL_CLOCK", "20", 1);
   EXPECT_EQ(started_with({}).clock(), 20);
   EXPECT_EQ(started_with({"--clock", "0.5"}).clock(), 0.5);
+  ::setenv("ROBCL_CLOCK", "", 1);  // as in all our variables, the same as unset
+  EXPECT_EQ(started_with({}).clock(), 1);
   ::unsetenv("ROBCL_CLOCK");
 }
 
@@ -103,6 +105,8 @@ TEST(CommandLine, AnImpossibleClockIsRefusedAndSoIsThatOfTheLaboratory) {
             "robcl-belt: '--clock' needs a number from 0.1 to 100000, not '100001'");
   ::setenv("ROBCL_CLOCK", "fast", 1);
   EXPECT_EQ(says({}), "robcl-belt: ROBCL_CLOCK needs a number from 0.1 to 100000, not 'fast'");
+  EXPECT_EQ(says({"--clock", "fast"}),
+            "robcl-belt: '--clock' needs a number from 0.1 to 100000, not 'fast'");
   ::unsetenv("ROBCL_CLOCK");
 }
 

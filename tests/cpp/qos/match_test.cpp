@@ -22,6 +22,16 @@ LineCapabilities measured(LineCapabilities line, Duration latency) {
   return line;
 }
 
+TEST(WithUnit, RoundsToAUnitThatNeedsNoExponent) {
+  EXPECT_EQ(with_unit(850ns), "0.85us");
+  EXPECT_EQ(with_unit(999'400ns), "999us");
+  EXPECT_EQ(with_unit(999'600ns), "1ms");
+  EXPECT_EQ(with_unit(2'500us), "2.5ms");
+  EXPECT_EQ(with_unit(999'600us), "0.9996s");
+  EXPECT_EQ(with_unit(1'234ms), "1.234s");
+  EXPECT_EQ(with_unit(12'345s), "12345s");
+}
+
 TEST(Match, AnyMediumIsTimeIndependent) {
   EXPECT_TRUE(violations({}, shm).empty());
   EXPECT_TRUE(violations({}, lcm).empty());

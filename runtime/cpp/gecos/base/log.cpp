@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "gecos/base/mutex.hpp"
+#include "gecos/base/whole_characters.hpp"
 
 namespace gecos {
 namespace {
@@ -54,10 +55,11 @@ class Stderr {
   /// of a stack trace say most.
   static std::string shortened(std::string line) {
     constexpr std::string_view gap = " … ";
-    if (line.size() > longest) {
-      line.replace(longest / 2, line.size() - longest + gap.size(), gap);
-    }
-    return line;
+    if (line.size() <= longest) return line;
+    const std::size_t begin = whole_characters(line, longest / 2).size();
+    std::size_t end = line.size() - (longest - longest / 2 - gap.size());
+    while (whole_characters(line, end).size() != end) ++end;
+    return line.replace(begin, end - begin, gap);
   }
 
   static bool write(std::string_view line) {

@@ -28,9 +28,12 @@ bool too_unreliable(const Quality& asked, const LineCapabilities& line, Traffic 
 std::string with_unit(Duration duration) {
   const double seconds = std::chrono::duration<double>(duration).count();
   char text[32];
-  if (duration >= std::chrono::seconds(1)) {
+  // Each bound is the value from which the format of the smaller unit would print an exponent.
+  if (seconds >= 9999.5) {
+    std::snprintf(text, sizeof text, "%.0fs", seconds);
+  } else if (seconds >= 0.9995) {
     std::snprintf(text, sizeof text, "%.4gs", seconds);
-  } else if (duration >= std::chrono::milliseconds(1)) {
+  } else if (seconds >= 0.9995e-3) {
     std::snprintf(text, sizeof text, "%.3gms", seconds * 1e3);
   } else {
     std::snprintf(text, sizeof text, "%.3gus", seconds * 1e6);

@@ -404,7 +404,11 @@ bool parse(std::string_view text, JsonError& error, bool (*read)(const JsonReade
 bool allowed(const std::string& violation, JsonError& error) {
   if (violation.empty()) return true;
   const std::size_t colon = violation.find(": ");
-  error = {violation.substr(0, colon), violation.substr(colon + 2)};
+  if (colon == std::string::npos) {
+    error = {"", violation};
+  } else {
+    error = {violation.substr(0, colon), violation.substr(colon + 2)};
+  }
   return false;
 }
 

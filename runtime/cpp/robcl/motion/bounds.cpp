@@ -100,15 +100,14 @@ PathBounds::Acceleration PathBounds::between(std::size_t knot, Eigen::Index axis
           2 * middle.per_x - (one.per_x + other.per_x) / 2};
 }
 
-/// Returns the values of u that the limits of the tool allow from the fraction `from` of the
-/// interval to its end. (ds/dt)² is `x` at the fraction `part`.
-PathBounds::Interval PathBounds::of_tool(std::size_t knot, double from, double part,
-                                         double x) const {
+/// Returns the values of u that the limits of the tool allow from the fraction `part` of the
+/// interval, where (ds/dt)² is `x`, to its end.
+PathBounds::Interval PathBounds::of_tool(std::size_t knot, double part, double x) const {
   Interval allowed{-infinite, infinite};
   const IntervalLimits& limits = stretches_[knot].limits;
   for (const IntervalLimits::Tool& tool : {limits.way, limits.turn}) {
     if (tool.limit == infinite) continue;
-    for (const double place : {from, 1.0}) {
+    for (const double place : {part, 1.0}) {
       const double way = 2 * (place - part) * step(knot);  // from where x is given
       restrict(allowed, {tool.per_u + tool.per_x * way, tool.per_x}, x, tool.limit);
       restrict(allowed, {tool.per_u - tool.per_x * way, -tool.per_x}, x, tool.limit);
@@ -119,7 +118,7 @@ PathBounds::Interval PathBounds::of_tool(std::size_t knot, double from, double p
 }
 
 PathBounds::Interval PathBounds::over_interval(std::size_t knot, double x) const {
-  Interval allowed = of_tool(knot, 0, 0, x);
+  Interval allowed = of_tool(knot, 0, x);
   const IntervalLimits& limits = stretches_[knot].limits;
   for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
     for (const double place : {0.0, 0.5, 1.0}) {
@@ -133,17 +132,14 @@ PathBounds::Interval PathBounds::over_interval(std::size_t knot, double x) const
   return allowed;
 }
 
-/// Returns the values of u that the limits allow everywhere from the fraction `from` of the
-/// interval to its end. (ds/dt)² is `x` at the fraction `part`.
-PathBounds::Interval PathBounds::everywhere(std::size_t knot, double from, double part,
-                                            double x) const {
-  Interval allowed = of_tool(knot, from, part, x);
+PathBounds::Interval PathBounds::over_rest(std::size_t knot, double part, double x) const {
+  Interval allowed = of_tool(knot, part, x);
   for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
     const double limit = acceleration_limit(knot, axis);
-    restrict(allowed, acceleration(knot, axis, from, part), x, limit);
-    double start = from;
+    restrict(allowed, acceleration(knot, axis, part, part), x, limit);
+    double start = part;
     for (double end = piece; end <= 1; end += piece) {
-      if (end <= from) continue;
+      if (end <= part) continue;
       restrict(allowed, between(knot, axis, start, end, part), x, limit);
       restrict(allowed, acceleration(knot, axis, end, part), x, limit);
       start = end;

@@ -70,15 +70,7 @@ class PathBounds {
   /// Like over_interval, but for the remaining part of the interval: from the fraction `part` of
   /// the interval, where (ds/dt)² is `x`, to the next knot. With the returned values, the limits of
   /// acceleration hold everywhere in this part. Never allocates memory.
-  Interval over_rest(std::size_t knot, double part, double x) const {
-    return everywhere(knot, part, part, x);
-  }
-  /// Consider a motion that comes to rest at the knot after `knot`. Returns the greatest
-  /// deceleration -d²s/dt² with which it keeps the limits of acceleration everywhere from the
-  /// fraction `part` of the interval to its end. Never allocates memory.
-  double hardest_to_rest(std::size_t knot, double part) const {
-    return -everywhere(knot, part, 1, 0).lower;
-  }
+  Interval over_rest(std::size_t knot, double part, double x) const;
   /// Returns the greatest allowed d²s/dt² in the interval after the knot `knot`. If the path is a
   /// straight line, this is the limit of the tool. Otherwise, it follows from the limits of the
   /// joints as if the path were not curved.
@@ -100,8 +92,7 @@ class PathBounds {
     double per_u = 0, per_x = 0;
   };
   void cap(std::size_t knot, const JointValues& slope, const IntervalLimits& limits);
-  Interval of_tool(std::size_t knot, double from, double part, double x) const;
-  Interval everywhere(std::size_t knot, double from, double part, double x) const;
+  Interval of_tool(std::size_t knot, double part, double x) const;
   double slope(std::size_t knot, Eigen::Index axis, double place) const;
   double acceleration_limit(std::size_t knot, Eigen::Index axis) const;
   Acceleration acceleration(std::size_t knot, Eigen::Index axis, double place, double part) const;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/whole_characters.hpp"
 #include "gecos/media/sealed/stream.hpp"
 
 namespace gecos::media {
@@ -172,7 +173,7 @@ void HandshakeResponder::forget(std::uint64_t client) {
 }
 
 void HandshakeResponder::refuse(PendingPeer client, const std::string& why) {
-  const ByteView reason = std::as_bytes(std::span(why).first(std::min(why.size(), longest_reason)));
+  const ByteView reason = std::as_bytes(std::span(whole_characters(why, longest_reason)));
   const InnerHeader what{InnerKind::Refuse, 0, options_.now_ns()};
   const RefusedPeer refused{
       client.client, client.reply_port, options_.now(),

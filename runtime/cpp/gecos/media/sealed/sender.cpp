@@ -50,6 +50,7 @@ void SealedSender::open(crypto::Sealer sealer) {
     port_->publish(channel_, datagram);
   }
   held_.clear();
+  bytes_held_ = 0;
 }
 
 bool SealedSender::is_open() {

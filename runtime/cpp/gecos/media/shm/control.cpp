@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "gecos/base/system_error.hpp"
+#include "gecos/base/whole_characters.hpp"
 
 namespace gecos::media::shm {
 namespace {
@@ -50,7 +51,7 @@ bool take_descriptors(msghdr& header, std::array<Descriptor, 2>& into) {
 
 void ControlMessage::set_text(std::string_view words) {
   text.fill('\0');
-  std::copy_n(words.begin(), std::min(words.size(), text.size() - 1), text.begin());
+  std::ranges::copy(whole_characters(words, text.size() - 1), text.begin());
 }
 
 std::string ControlMessage::words() const {
