@@ -142,9 +142,9 @@ def _raises(
         for m, r in ((sides.old, raised[0]), (sides.new, raised[1]))
     ]
     for name in sorted(names[0] ^ names[1]):
-        change = "raises" if name in names[1] else "does not raise"
+        change = "now raises" if name in names[1] else "no longer raises"
         report.add("G1007", old.scoped_name,
-                   f"'{old.scoped_name}' {change} '{name}' now{when}", _REFUSED,
+                   f"'{old.scoped_name}' {change} '{name}'{when}", _REFUSED,
                    "add members to an @appendable exception, or add another operation",
                    new=new.facts, old=old.facts)  # fmt: skip
 

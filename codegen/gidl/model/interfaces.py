@@ -67,7 +67,7 @@ class Operation:
 
     @property
     def sends_samples(self) -> bool:
-        """Whether the quality is that of samples: of an event or a stream."""
+        """True for an event: its quality (`qos`) then applies to samples, not to calls."""
         return self.is_event
 
     @property
@@ -118,7 +118,7 @@ class Attribute:
 
     @property
     def sends_samples(self) -> bool:
-        """Whether the quality is that of samples: of an event or a stream."""
+        """True if the attribute has a stream: its quality (`qos`) then applies to the samples."""
         return self.stream is not None
 
     @property

@@ -122,7 +122,7 @@ class _Step:
 
     type: str
     arguments: tuple[str, ...] = ()
-    default: bool = field(default=False, kw_only=True)  # True: follows from the C++ type
+    default: bool = field(default=False, kw_only=True)  # True: the C++ type implies this step
 
     @property
     def value(self) -> str:
