@@ -2,10 +2,10 @@
 
 The laboratory makes a link with its address, its public key and an invitation, which is a secret of
 128 bits. The user sends the link to the other machine over a channel that no stranger can read. A
-program there connects by TCP and sends its public key, the owner of the key and a proof, which is
-the HMAC-SHA256 of both under the invitation. The laboratory answers in the same way. Each side then
-knows that the other side has the link, and that both keys arrived unchanged. An invitation works
-once and expires.
+program there connects by TCP and sends its public key, the owner of the key and a proof: the
+HMAC-SHA256 of both, with the invitation as key. The laboratory answers in the same way. Each side
+then knows that the other side has the link, and that both keys arrived unchanged. An invitation
+works once and expires.
 
 A request waits in the folder `joining` of the key folder until the user of the laboratory approves
 it. Until then its key is not admitted.

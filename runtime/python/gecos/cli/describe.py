@@ -51,8 +51,8 @@ def describe(name: str, broker: str | None, as_json: bool) -> None:
 
 
 def _readings(lab: Lab, name: str, model: Model, models: list[str]) -> dict[str, Any]:
-    """Returns the values of the attributes that describe an object. Leaves out those that the
-    object does not tell in time, for example because a handler of it runs."""
+    """Returns the values of the attributes that describe an object. Leaves out each attribute whose
+    value does not arrive in time, for example because the object is busy with another call."""
     from gecos.dynamic_client import Attribute, by_name
     from gecos.dynamic_client.proxy import proxy_class
     from gecos.errors import CommandFailed, ConnectionFailed, CreateError

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     import gecos
     from gecos.dynamic_client.model import Member
 
-_MOMENT = 1.0  # s for which the broker is asked; the lab file is read without it, too
+# Longest wait for the broker's list in s. Without the list, the command assumes that this user runs
+# the server.
+_MOMENT = 1.0
 
 
 class KnownFrom(StrEnum):
@@ -94,9 +96,9 @@ def answer(lab: gecos.Lab, name: str) -> Answer:
 
 
 def member(lab: gecos.Lab, name: str, called: str, answer: Answer | None) -> Member:
-    """Returns the operation or attribute `called` of the object `name`. `answer`: what the object
-    has answered already; None: connects to the object and asks it. Raises UsageFailure if there is
-    no such member, and the errors of `find`."""
+    """Returns the operation or attribute `called` of the object `name`. `answer` has the connection
+    to the object; if `answer` is None, connects to the object. Raises UsageFailure if there is no
+    such member, and the errors of `find`."""
     import gecos
     from gecos.dynamic_client import read_model
     from gecos.dynamic_client.connect import find, served_models, without_model

@@ -27,9 +27,9 @@ _LONGEST_LINE = 65536  # characters; a longer line is printed in parts
 # Longest wait in s. A signal that arrives just before Python begins to wait is handled only after
 # the wait.
 _LOOK_ANYWAY = 0.5
-_FIRST_PAUSE = 0.5  # s before a program is started again; doubles each time
+_FIRST_PAUSE = 0.5  # s before a program is started again; each further pause is twice as long
 _LONGEST_PAUSE = 30.0  # s
-_LONG_RUN = 60.0  # s after which a program that ends is started again after the first pause
+_LONG_RUN = 60.0  # s; after a run of this length, the next pause is _FIRST_PAUSE again
 
 
 class LaboratoryError(RuntimeError):
@@ -261,7 +261,7 @@ def running(
     `folders`, in the folder of this command, and in PATH. With `restart`, each program is started
     again when it ends by itself. `report` is called with each event, from several threads. Raises
     LaboratoryError if a program is missing or does not become ready, and if the programs would not
-    use the broker that the laboratory starts. The programs that already run are ended first."""
+    use the broker that the laboratory starts. Before that, ends the programs that already run."""
     commands = [(p, _command(laboratory, p, folders)) for p in laboratory.programs]
     variables = dict(os.environ if environment is None else environment)
     variables["GECOS_BROKER"] = _broker_of(laboratory, variables.get("GECOS_BROKER", ""))

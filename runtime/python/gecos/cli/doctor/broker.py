@@ -11,7 +11,8 @@ from gecos.cli import refusal
 from gecos.cli.doctor.finding import Finding, fine, warning, wrong
 
 _REQUEST = re.compile(r" \(request [0-9a-f-]+\)")
-_NOT_NAMED = re.compile(  # this and the next: of gecos/access/access_policy.cpp
+# This pattern and _NO_LIST match texts of refusals that gecos/access/access_policy.cpp writes.
+_NOT_NAMED = re.compile(
     r"(?:(?P<list>\[[^\]]+\] in \S+):\d+|(?P<of_program>the list in the program of the server).*) "
     r'does not name .+; add (?P<name>"[^"]+") to its (?P<names>\w+)'
 )
