@@ -169,7 +169,7 @@ class Attribute:
 @dataclass(frozen=True, slots=True)
 class Interface(Declaration):
     bases: tuple[str, ...]  # direct bases, in the order written
-    all_bases: tuple[str, ...]  # direct and indirect bases; each before those derived from it
+    all_bases: tuple[str, ...]  # direct and indirect; a base comes before what derives from it
     members: tuple[Operation | Attribute, ...]  # without inherited members, in the order written
     nested: tuple[str, ...] = ()  # scoped names of the declarations inside, in order
     qos: Qos = UNSAID  # quality demanded of a medium, inherited terms included

@@ -34,8 +34,8 @@ class Server:
 
     `insecure=True` admits every user and host that the kernel or an admitted key proves: neither
     `allow` nor an [allow] of the lab file counts. Such a server serves simulated objects only, and
-    says so on stderr, in its audit and in the descriptions of its objects. Set it only for a flag
-    that a person gives to the program, never for an environment variable.
+    says so on stderr, in its audit and in the descriptions of its objects. Set it only if a person
+    asks for it by a flag of the program, never because of an environment variable.
     """
 
     def __init__(self, lab: Lab, *, insecure: bool = False) -> None:

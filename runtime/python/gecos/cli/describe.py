@@ -24,8 +24,8 @@ _READ_WITHIN = 0.5  # s in which an object must answer; a value that comes later
 def describe(name: str, broker: str | None, as_json: bool) -> None:
     """Shows the type and state of an object, and its operations, attributes and streams.
 
-    Shows the values of the attributes that are a number, a boolean or a text, if they are readonly,
-    have no stream, and need no status.
+    Shows the value of each readonly attribute that is a number, a boolean or a text, has no stream
+    and needs no status.
     """
     import gecos
     from gecos.dynamic_client import read_model

@@ -44,7 +44,7 @@ class Answer:
     """What an object says when this program connects."""
 
     admits: bool | None  # None: the object was not reached
-    reason: str  # why it refuses or was not reached; "" if it admits
+    reason: str  # why the object refuses or was not reached; "" if it admits
     reached: gecos.Object | None = None
     error: Exception | None = None  # if the object was not reached, or refuses
 

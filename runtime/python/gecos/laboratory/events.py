@@ -16,7 +16,7 @@ class What(StrEnum):
     RESTARTED = "restarted"  # a program that had ended has been started again
     NOT_STARTED = "not_started"  # a program cannot be started again now
     NOT_READY = "not_ready"  # a program that was started again does not become ready
-    KILLED = "killed"  # a program did not end when it was asked to
+    KILLED = "killed"  # a program did not end when asked to, and was killed
     UNREAD_LISTS = "unread_lists"  # the lab file has lists now, which the programs do not read
     ALL_READY = "all_ready"  # the laboratory is ready
     CLOSING = "closing"  # all programs are being ended, the last one first
@@ -37,7 +37,7 @@ class Event:
 
 Report = Callable[[Event], None]
 
-_QUIET = (What.READY, What.RESTARTED)  # the program itself prints a line about it
+_QUIET = (What.READY, What.RESTARTED)  # not shown, because the program itself prints a line
 
 
 def show(event: Event) -> None:

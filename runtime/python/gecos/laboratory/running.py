@@ -112,8 +112,8 @@ class _Process:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
 
     def complain_if_not_ready(self) -> None:
-        """Reports that the program is not ready. Called when the program has not become ready
-        READY_WITHIN s after its start."""
+        """Reports the program if it is neither ready nor ended. Is called READY_WITHIN s after the
+        program was started again."""
         if not self._ready_or_ended.is_set():
             self._report(Event(What.NOT_READY, self._not_ready(), self.program.name))
 
@@ -228,7 +228,7 @@ class RunningLaboratory:
         self._processes[program.name].kill()  # processes that the program has left behind
         try:
             process = self._launch(program)
-        except OSError as error:  # for example while its file is being replaced
+        except OSError as error:  # for example while the program's file is being replaced
             text = f"{program.name} cannot be started: {error}"
             self._start_later(program, Event(What.NOT_STARTED, text, program.name))
             return
@@ -282,7 +282,7 @@ def running(
 
 def _broker_of(laboratory: LaboratoryDescription, named: str) -> str:
     """Returns the address of the broker for the programs. The programs get this address, because
-    they may read another lab file than that of the laboratory, which may name another broker.
+    they may read the lab file of the host, and that file may name another broker.
     `named` is the value of GECOS_BROKER. Raises LaboratoryError if this laboratory starts a broker,
     which is at the address `shm`, and `named` is another address."""
     if laboratory.broker_address:

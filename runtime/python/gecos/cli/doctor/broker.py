@@ -105,8 +105,8 @@ def over_lcm(here: Answer, over_lcm: Answer) -> Finding | None:
 
 
 def _refused(why: str, place: str) -> Finding:
-    """Returns the finding for a user whom a broker refuses. This user must not start another
-    broker: it would be another laboratory, without objects."""
+    """Returns the finding for a user whom a broker refuses. The finding does not advise the user to
+    start another broker, because a new broker would be another laboratory, without objects."""
     text = _REQUEST.sub("", why)
     mend = f"ask the user of the broker to {_admission(text)}"
     return wrong("broker", f"the broker refuses this user: {text}", place, mend)
