@@ -48,7 +48,7 @@ class Operation:
     needs_presence: bool = True  # False for sensor operations and @presence(FALSE)
     idempotent: bool = False
     cancelable: bool = False
-    feedback: NamedType | None = None  # of a cancelable operation; None: untyped
+    feedback: NamedType | None = None  # type of the feedback; None: no typed feedback
     on_new: OnNew = OnNew.QUEUE
     parallel: bool = False
     ordered: bool = False

@@ -62,7 +62,7 @@ class Session:
     def call(self, code: int, arguments: bytes, deadline: float | None) -> Command:
         """Calls an operation of the object's interface or a built-in operation."""
     def line(self) -> tuple[str, float, float | None, bool, int, str, str]:
-        """The members of LineState."""
+        """Returns the members of LineState, in order."""
     def next_line_change(
         self, changes: int, timeout: float | None
     ) -> tuple[str, float, float | None, bool, int, str, str] | bool:
@@ -119,7 +119,7 @@ class Stream:
     def latest_in_place(self) -> tuple[LentSample, int, int, int] | str | None: ...
     def next_in_place(self, timeout: float | None) -> tuple[LentSample, int, int, int] | str: ...
     def counts(self) -> tuple[int, int, int, int, int]:
-        """The members of StreamCounts; after close(), their values at the time of close()."""
+        """Returns the members of StreamCounts, in order; after close(), the counts at that time."""
     def alive(self) -> bool: ...
     def loss_text(self) -> str:
         """Returns why the stream is lost; an empty text if its Lab was closed."""

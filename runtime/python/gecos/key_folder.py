@@ -249,8 +249,8 @@ def _write_revoked(revocations: list[Revoked]) -> None:
 
 
 def _pardon(key: str, owner: str) -> None:
-    """Removes the lines from the file `revoked` that revoke `key`, all keys of `owner`, or all keys
-    that a user of this name has on any host."""
+    """Removes the lines from the file `revoked` that revoke `key`, the owner `owner`, or the user
+    of `owner` on all hosts."""
     owners = {owner, owner.partition("@")[0]} if owner else set()
     before = revoked()
     after = [

@@ -31,8 +31,8 @@ class KnownFrom(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ServerUser:
-    """The user and the host of a server, and how they are known. If they are ASSUMED or UNKNOWN,
-    they are the user and the host of this program."""
+    """The user and the host of a server, and how they are known. If `known_from` is ASSUMED or
+    UNKNOWN, `user` and `host` are those of this program."""
 
     user: str
     host: str

@@ -44,7 +44,7 @@ class InvalidFrame(ValueError):
 class Twist:
     """The velocity of a rigid body, as arrays (3,) along the axes of one coordinate system."""
 
-    linear: npt.ArrayLike  # of the point of the body that is at the origin, m/s
+    linear: npt.ArrayLike  # m/s; velocity of the point of the body that is at the origin
     angular: npt.ArrayLike  # rad/s
 
 
