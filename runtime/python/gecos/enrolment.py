@@ -127,7 +127,10 @@ class Invitation:
         if not _core.is_key_owner(party.owner):
             return "say whose key it is by --as USER@HOST"
         if party.owner == owner or key_folder.is_own_user(party.owner):
-            return f"{party.owner} is admitted to everything here; name yourself by --as USER@HOST"
+            return (
+                f"{party.owner} is admitted to everything here, so it cannot be your name; give "
+                "your user and host by --as USER@HOST"
+            )
         return None
 
 
@@ -143,7 +146,7 @@ def join(url: JoinUrl, owner: str) -> Party:
         where = f"{url.host}:{url.port}"
         raise EnrolmentError(
             f"nobody waits at {where} ({error}): the link was used, or has expired, or a firewall "
-            f"is between; {ANOTHER}"
+            f"blocks the connection; {ANOTHER}"
         ) from None
     if "refused" in said:
         raise EnrolmentError(said["refused"][:500])
@@ -152,7 +155,8 @@ def join(url: JoinUrl, owner: str) -> Party:
         raise EnrolmentError(f"the answer is not from the laboratory of the link; {ANOTHER}")
     if laboratory.owner == owner:
         raise EnrolmentError(
-            f"the user of the laboratory is {owner}, too; name yourself by --as USER@HOST"
+            f"the user of the laboratory is {owner}, too; give another name for yourself by --as "
+            "USER@HOST"
         )
     return laboratory
 

@@ -238,7 +238,9 @@ def revoked() -> list[Revoked]:
     for number, line in enumerate(lines, 1):
         key, _, owner = line.partition(" ")
         if not owner or not (key == "-" or _KEY.fullmatch(key)):
-            raise KeyFolderError(f"{file}:{number}: this is not a key and its owner; correct it")
+            raise KeyFolderError(
+                f"{file}:{number}: this line is not a key and its owner; correct it"
+            )
         found.append(Revoked(key.replace("-", ""), "" if owner == "-" else owner))
     return found
 

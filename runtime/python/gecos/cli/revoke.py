@@ -123,7 +123,7 @@ def _why_behind(one: Presence, behind: list[str]) -> str | None:
         return None
     return (
         f"its server runs as {one.entry.user}@{one.entry.hostname}, and the broker does not hear "
-        "it; it applies the revocation when it is in contact with the broker again"
+        "that server; the server applies the revocation when it reaches the broker again"
     )
 
 

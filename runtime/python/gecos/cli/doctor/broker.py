@@ -85,7 +85,7 @@ def one_broker(answers: Sequence[Answer]) -> Finding | None:
         f"several brokers answer: {', '.join(found.values())}; names are unique only "
         "within one broker"
     )
-    mend = "end one of them, or name one for all programs: in GECOS_BROKER or in the lab file"
+    mend = "end all but one, or name one for all programs: in GECOS_BROKER or in the lab file"
     return warning("brokers", what, "this host and lcm", mend)
 
 
@@ -134,7 +134,7 @@ def _mend(reason: str, at: BrokerPlace, us: str) -> str:
         if at.of_environment:
             return "export GECOS_BROKER=lcm for a broker of another host (unset it for this host's)"
         return f'write address = "lcm" at {at.source} for a broker of another host (or remove it)'
-    mend = f"run gecos broker on the host, and as the user, that {at} names"
+    mend = f"run gecos broker on the host and as the user that {at} names"
     if "does not admit our key" in reason:
         mend += (
             "; if a broker already runs there, ask its user to run gecos keys add FILE "
