@@ -105,7 +105,9 @@ def _result(operation: Operation) -> slots.Numbers | None:
 
 
 def _way(operation: Operation) -> str:
-    return "an event" if operation.is_event else "oneway" if operation.oneway else "answered"
+    if operation.is_event:
+        return "an event"
+    return "a oneway operation" if operation.oneway else "an operation with a reply"
 
 
 def _attribute(sides: Sides, old: Attribute, new: Attribute, report: Report) -> None:
@@ -123,10 +125,10 @@ def _attribute(sides: Sides, old: Attribute, new: Attribute, report: Report) -> 
 
 
 def _use(attribute: Attribute) -> str:
-    kind = "readonly" if attribute.readonly else "writable"
+    kind = f"a {'readonly' if attribute.readonly else 'writable'} attribute"
     if attribute.stream is None:
-        return f"{kind} and no stream"
-    return f"{kind} and a stream {attribute.stream.direction.value}"
+        return f"{kind} without a stream"
+    return f"{kind} with an {'inward' if attribute.streams_in else 'outward'} stream"
 
 
 def _raises(
