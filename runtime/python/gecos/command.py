@@ -223,7 +223,7 @@ class _Unobserved(Command[T, F]):
         else:
             about = self._core.about() or self._name
             # The warning shows the failure, so the log need not show it. `peek_failure` reads the
-            # failure for the warning; the program has not seen the failure by this.
+            # failure without telling the server that the program has seen it.
             self._core.observe()
             failure = self._as_error(self._core.peek_failure())
             what = f"{about} failed, and nobody observed the failure: {failure}"

@@ -67,8 +67,8 @@ class QualityClass(IntEnum):
 
 
 class Reliability(IntEnum):
-    """RELIABLE demands a medium over which nothing is lost on its way, BEST_EFFORT demands nothing.
-    DEFAULT is RELIABLE for a call, and BEST_EFFORT for the samples of a stream."""
+    """RELIABLE demands a medium that loses nothing, BEST_EFFORT demands nothing. DEFAULT is
+    RELIABLE for a call, and BEST_EFFORT for the samples of a stream."""
 
     DEFAULT = 0
     RELIABLE = 1

@@ -119,7 +119,7 @@ class _Found:
 
     allowed_by_file: bool
     rule: str  # the rule of the lab file that decides, as a sentence
-    server: ServerUser | None = None  # None with --serve, which is not about a server's lists
+    server: ServerUser | None = None  # None with --serve, which asks about the name OBJECT
     program: str = ""  # how a list in the program of the server may change the verdict
     answer: Answer | None = None  # what the object answered; None: the object was not asked
     member: Member | None = None

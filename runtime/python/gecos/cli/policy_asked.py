@@ -141,7 +141,7 @@ def needs(of: Member) -> list[str]:
 
 
 def is_open(of: Member) -> bool:
-    """Returns whether a member is an open stream, by its interface."""
+    """Returns whether the interface declares a member as an open stream."""
     from gecos.dynamic_client import Attribute
 
     return isinstance(of, Attribute) and of.stream is not None and of.stream.open

@@ -16,8 +16,8 @@ class UnreadLists:
     The programs then do not read the file, so they ignore lists that are added later.
 
     `gecos up` gives the programs only a file with lists, for two reasons. A program reads this file
-    in place of the lab file of the host, and would miss the lists and zones of the latter. Servers
-    also refuse a file that a group may write."""
+    in place of the lab file of the host, and would miss the lists and zones of the host's file.
+    Servers also refuse a file that a group may write."""
 
     def __init__(self, laboratory: LaboratoryDescription) -> None:
         watched = bool(laboratory.file) and not laboratory.names_users
