@@ -285,8 +285,8 @@ def revoke(name: str) -> list[Admitted]:
     found = owned_by(name)
     if not found and not re.fullmatch(r"[0-9a-fA-F:]+", name.removesuffix(_SUFFIX)):
         raise KeyFolderError(f"{name}: no admitted key has this owner; `gecos keys` lists them")
-    # For the keys of an owner, the lines are written before the keys are removed. If this program is
-    # killed in between, running it again completes the revocation.
+    # For the keys of an owner, the lines are written before the keys are removed. If this program
+    # is killed in between, running it again completes the revocation.
     if found:
         _note_revoked(revocations_of(name, found))
     for one in found:
