@@ -131,7 +131,7 @@ def test_a_damaged_list_of_revocations_is_an_error_with_its_line(
             lab.broker(Broker).revocations(0).result()
         code, _, err = run("revoke", "anna@desk")
     assert code == 2
-    assert "revoked:1: this is not a key and its owner; correct it" in err
+    assert "revoked:1: this line is not a key and its owner; correct it" in err
     assert (folder / f"{KEY}.public").exists(), "the list comes first"
 
 

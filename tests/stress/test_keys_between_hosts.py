@@ -294,7 +294,7 @@ def test_a_server_of_another_host_that_was_not_reached_is_listed(
     told = two.gecos(CELL, "revoke", "carl@moor")
     assert told.finish() == 3, str(told)
     assert "RAIL was not reached: its server runs as" in told.output()
-    assert "it applies the revocation when it is in contact with the broker again" in told.output()
+    assert "the server applies the revocation when it reaches the broker again" in told.output()
 
 
 def test_a_server_of_another_host_applies_a_revocation_that_it_hears_from_the_broker(

@@ -71,7 +71,9 @@ def baseline(text: str, roots: Sequence[Path]) -> Iterator[Baseline]:
     terms = dict(_term(part) for part in text.removeprefix(_GIT).split(","))
     unknown = set(terms) - {"ref", "subdir"}
     if unknown or not terms.get("ref"):
-        raise AgainstError(f"'{text}' is not understood; write git#ref=main")
+        raise AgainstError(
+            f"'{text}' is not in the form git#ref=COMMIT or git#ref=COMMIT,subdir=FOLDER"
+        )
     ref = terms["ref"]
     if ref.startswith("-"):
         raise AgainstError(f"'{ref}' is no name of a commit")

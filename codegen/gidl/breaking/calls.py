@@ -105,7 +105,9 @@ def _result(operation: Operation) -> slots.Numbers | None:
 
 
 def _way(operation: Operation) -> str:
-    return "an event" if operation.is_event else "oneway" if operation.oneway else "answered"
+    if operation.is_event:
+        return "an event"
+    return "a oneway operation" if operation.oneway else "an operation with a reply"
 
 
 def _attribute(sides: Sides, old: Attribute, new: Attribute, report: Report) -> None:
@@ -123,10 +125,10 @@ def _attribute(sides: Sides, old: Attribute, new: Attribute, report: Report) -> 
 
 
 def _use(attribute: Attribute) -> str:
-    kind = "readonly" if attribute.readonly else "writable"
+    kind = f"a {'readonly' if attribute.readonly else 'writable'} attribute"
     if attribute.stream is None:
-        return f"{kind} and no stream"
-    return f"{kind} and a stream {attribute.stream.direction.value}"
+        return f"{kind} without a stream"
+    return f"{kind} with an {'inward' if attribute.streams_in else 'outward'} stream"
 
 
 def _raises(
@@ -142,9 +144,9 @@ def _raises(
         for m, r in ((sides.old, raised[0]), (sides.new, raised[1]))
     ]
     for name in sorted(names[0] ^ names[1]):
-        change = "raises" if name in names[1] else "does not raise"
+        change = "now raises" if name in names[1] else "no longer raises"
         report.add("G1007", old.scoped_name,
-                   f"'{old.scoped_name}' {change} '{name}' now{when}", _REFUSED,
+                   f"'{old.scoped_name}' {change} '{name}'{when}", _REFUSED,
                    "add members to an @appendable exception, or add another operation",
                    new=new.facts, old=old.facts)  # fmt: skip
 

@@ -84,15 +84,17 @@ _UNRELIABLE = "promised reliability RELIABLE and now promises BEST_EFFORT"
 
 
 def _calls_less_reliable(old: Qos, new: Qos) -> Iterator[str]:
-    """Calls are RELIABLE unless BEST_EFFORT is written."""
+    """Yields a text if calls are BEST_EFFORT now. Calls are RELIABLE unless BEST_EFFORT is
+    written."""
     best_effort = Reliability.BEST_EFFORT
     if old.reliability is not best_effort and new.reliability is best_effort:
         yield _UNRELIABLE
 
 
 def _less_reliable(old: Call, new: Call) -> Iterator[str]:
-    """Samples are BEST_EFFORT unless RELIABLE is written. A medium that loses samples carries none
-    that are RELIABLE."""
+    """Yields a text if the reliability of a member has changed so that clients may lose calls or
+    samples, or cannot subscribe any more. Samples are BEST_EFFORT unless RELIABLE is written. The
+    medium lcm loses samples, so it refuses a subscription to RELIABLE samples."""
     if not (old.sends_samples and new.sends_samples):
         yield from _calls_less_reliable(old.qos_of_calls, new.qos_of_calls)
         return

@@ -144,12 +144,12 @@ def read_exactly(model: Model) -> dict[str, str]:
     found: dict[str, str] = {}
     for slot in slots(model):
         for key in _keys(model, slot.type):
-            found[key] = "a map has it as key"
+            found[key] = "the enum is the key of a map"
     for declaration in model.declarations():
         if isinstance(declaration, Union):
             tag = model.target(declaration.discriminator)
             if isinstance(tag, NamedType):
-                found[tag.name] = f"the union '{declaration.name}' has it as discriminator"
+                found[tag.name] = f"the enum is the discriminator of union '{declaration.name}'"
     return found
 
 

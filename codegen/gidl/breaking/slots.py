@@ -155,7 +155,8 @@ def _kept(
         report.add("G1002", subject,
                    f"{what} may be left out of messages in only one of the two versions",
                    "the hashes of operations differ, so old and new programs refuse each other",
-                   "do not change the @default of this declaration, or any declaration after it",
+                   "keep the @default of this declaration, and do not change the declarations "
+                   "after it",
                    new=places[0], old=places[1])  # fmt: skip
     elif had and not has and not new.optional:
         report.add("G1102", subject, f"{what} has no default any more",
@@ -243,9 +244,8 @@ def bounds(
 ) -> None:
     """Reports a changed range of numbers."""
     if limits[0] != limits[1]:
-        was, is_now = ("were", "are") if what.startswith("the ") else ("was", "is")
         report.add("G1006", subject,
-                   f"{what} {was} {_bounds(limits[0])} and {is_now} now {_bounds(limits[1])}",
+                   f"the range of {what} was {_bounds(limits[0])} and is now {_bounds(limits[1])}",
                    "one of the programs may send values that the other program refuses",
                    "keep the range, and add another declaration with the new range",
                    new=places[0], old=places[1])  # fmt: skip
@@ -253,7 +253,9 @@ def bounds(
 
 def _bounds(bounds: Range | None) -> str:
     if bounds is None:
-        return "of any value"
-    low = "" if bounds.minimum is None else f"from {bounds.minimum}"
-    high = "" if bounds.maximum is None else f"to {bounds.maximum}"
-    return f"{low} {high}".strip()
+        return "unlimited"
+    if bounds.maximum is None:
+        return f"at least {bounds.minimum}"
+    if bounds.minimum is None:
+        return f"at most {bounds.maximum}"
+    return f"{bounds.minimum} to {bounds.maximum}"

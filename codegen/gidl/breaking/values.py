@@ -39,9 +39,9 @@ def compare(sides: Sides, report: Report) -> None:
             _moved(sides, old, new, report)
             _one(sides, old, new, report)
             if isinstance(old, EnumDeclaration) and isinstance(new, EnumDeclaration):
-                # If only one version uses the enum as a discriminator or as the key of a map, no
-                # value of this use can be sent from one version to the other. `used` is therefore
-                # "" unless both versions use the enum in this way.
+                # A union or map that only one version declares is never sent to the other version.
+                # `used` is therefore "" unless the enum is a discriminator or the key of a map in
+                # both versions.
                 used = exact[1].get(new.name, "") if old.name in exact[0] else ""
                 _enum(old, new, used, report)
 
@@ -170,7 +170,8 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report
         elif now is None and was.number in numbers:
             taken = numbers[was.number]
             report.add("G1004", old.name,
-                       f"{was.number} of '{old.name}' was '{name}' and is now '{taken.name}'",
+                       f"number {was.number} of '{old.name}' was '{name}' and is now "
+                       f"'{taken.name}'",
                        "old and new programs read the same number as different enumerators",
                        f"keep '{name}', and give '{taken.name}' a number of its own",
                        new=taken.facts, old=was.facts)  # fmt: skip

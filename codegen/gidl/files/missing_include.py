@@ -44,8 +44,8 @@ def _wanted(finding: Finding) -> str | None:
 
 
 def _homes(folders: Sequence[Path]) -> dict[str, str]:
-    """Returns, for each declared name, the first file that declares it, as the path that `#include`
-    needs."""
+    """Maps each declared name to the first file that declares the name. The file is given by the
+    path that `#include` needs."""
     homes: dict[str, str] = {}
     for folder in folders:
         try:

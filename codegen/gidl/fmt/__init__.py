@@ -25,8 +25,8 @@ def layout(text: str) -> str:
 
 
 def _prove(before: list[Piece], after: list[Piece]) -> None:
-    """Raises UnreadableError if formatting has changed more than white space. This is the case if
-    the pieces `after` formatting differ from the pieces `before` formatting."""
+    """Raises UnreadableError if formatting has changed more than white space. `before` are the
+    pieces of the given text, and `after` are those of the formatted text; they must be equal."""
     old, new = _essence(before), _essence(after)
     if old != new:
         at = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), -1)

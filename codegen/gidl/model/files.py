@@ -44,7 +44,7 @@ class File:
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    files: tuple[File, ...]  # each file after those it includes
+    files: tuple[File, ...]  # each file comes after the files that it includes
     _index: dict[str, AnyDeclaration] = field(init=False, repr=False, compare=False)
     _homes: dict[str, str] = field(init=False, repr=False, compare=False)
 

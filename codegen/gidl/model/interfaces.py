@@ -48,7 +48,7 @@ class Operation:
     needs_presence: bool = True  # False for sensor operations and @presence(FALSE)
     idempotent: bool = False
     cancelable: bool = False
-    feedback: NamedType | None = None  # of a cancelable operation; None: untyped
+    feedback: NamedType | None = None  # type of the feedback; None: no typed feedback
     on_new: OnNew = OnNew.QUEUE
     parallel: bool = False
     ordered: bool = False
@@ -67,7 +67,7 @@ class Operation:
 
     @property
     def sends_samples(self) -> bool:
-        """Whether the quality is that of samples: of an event or a stream."""
+        """True for an event: its quality (`qos`) then applies to samples, not to calls."""
         return self.is_event
 
     @property
@@ -118,7 +118,7 @@ class Attribute:
 
     @property
     def sends_samples(self) -> bool:
-        """Whether the quality is that of samples: of an event or a stream."""
+        """True if the attribute has a stream: its quality (`qos`) then applies to the samples."""
         return self.stream is not None
 
     @property
@@ -169,7 +169,7 @@ class Attribute:
 @dataclass(frozen=True, slots=True)
 class Interface(Declaration):
     bases: tuple[str, ...]  # direct bases, in the order written
-    all_bases: tuple[str, ...]  # direct and indirect bases; each before those derived from it
+    all_bases: tuple[str, ...]  # direct and indirect; a base comes before what derives from it
     members: tuple[Operation | Attribute, ...]  # without inherited members, in the order written
     nested: tuple[str, ...] = ()  # scoped names of the declarations inside, in order
     qos: Qos = UNSAID  # quality demanded of a medium, inherited terms included

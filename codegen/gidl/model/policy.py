@@ -96,14 +96,15 @@ class Qos:
 
     @property
     def inherited_by_samples(self) -> Qos:
-        """Returns the terms of an interface that its streams and events inherit. The reliability of
-        an interface is that of its calls."""
+        """Returns the terms of an interface that its streams and events inherit. Leaves out the
+        reliability, because the reliability of an interface applies only to calls."""
         return replace(self, reliability=None)
 
     @property
     def of_calls_of_stream(self) -> Qos:
-        """Returns the terms of a stream that its getter and setter have, too. The deadline of a
-        stream is the longest time between two samples, and its reliability is that of samples."""
+        """Returns the terms of a stream that also apply to calls of its getter and setter. Leaves
+        out the deadline, which is the longest time between two samples, and the reliability, which
+        applies only to samples."""
         return replace(self, deadline_ns=None, reliability=None)
 
     @property

@@ -407,7 +407,7 @@ class InterfaceResolver(TypeResolver):
         text = applied.text(name)
         found = read(text)
         if found is None:
-            if text.isdecimal():  # a number without a unit gets the unit of the example
+            if text.isdecimal():  # the help line shows this number with the unit of the example
                 example = text + example.lstrip("0123456789")
             self._findings.error(
                 "G0506",

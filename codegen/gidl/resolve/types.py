@@ -71,7 +71,8 @@ class TypeResolver(ValueResolver):
     def __init__(self, findings: Findings, names: Names, vocabulary: Vocabulary) -> None:
         super().__init__(findings, names, vocabulary)
         self._out: list[AnyDeclaration] = []
-        self._of_typedef: dict[str, tuple[str | None, Range | None]] = {}  # key: a typedef
+        # Unit and range of each typedef, by its scoped name.
+        self._of_typedef: dict[str, tuple[str | None, Range | None]] = {}
         self._bitset_sizes: dict[str, int] = {}
         self._enums: dict[str, EnumDeclaration] = {}
         self._bitmasks: set[str] = set()

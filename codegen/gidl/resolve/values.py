@@ -445,7 +445,8 @@ class ValueResolver(ABC):
     def _argument(
         self, expression: Expression, meant: list[Parameter], scope: Scope
     ) -> Computed | None:
-        """Computes an argument of an annotation. `meant`: the parameters that it may be for."""
+        """Computes an argument of an annotation. `meant` are the parameters to which the argument
+        may belong."""
         literals = {key: value for parameter in meant for key, value in parameter.literals.items()}
 
         def look_up(name: ScopedName) -> Computed | None:

@@ -283,8 +283,9 @@ def _two_are_swapped(name: str, known: str) -> bool:
 
 
 def value_hint(meant: Sequence[Parameter], name: str) -> str:
-    """Returns what to write in place of the unknown name `name` as an argument for one of the
-    parameters `meant`; empty if any constant would do."""
+    """Returns a help line for the unknown name `name` in an argument of an annotation. `meant` are
+    the parameters to which the argument may belong. The line says what to write; it is empty if
+    every constant is allowed there."""
     literals = [each for p in meant for each in p.literals if not each.endswith("_UNSAID")]
     if literals:
         return f"one of {', '.join(literals)}"

@@ -1,8 +1,8 @@
 """Annotations and arguments of annotations that gidl accepts, but that cannot have an effect on the
 declaration on which they are written.
 
-`gidl check` warns at each use of such a term, so that nobody relies on the term. Each of them acts
-on other declarations: docs/gidl.md says on which.
+`gidl check` warns at each use of such a term, so that nobody relies on the term. Each term has an
+effect on declarations of other kinds, which docs/gidl.md lists.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ def _is_stream(declared: Declared) -> bool:
 
 
 def _has_no_calls(declared: Declared) -> bool:
-    """An event and an inward stream have no calls. An outward stream has its getter."""
+    """Returns whether clients cannot call the declaration: true for an event and an inward stream.
+    An outward stream has a getter, which clients call."""
     return _is_stream(declared) and not (isinstance(declared, Attribute) and declared.streams_out)
 
 
@@ -44,7 +45,8 @@ def _is_inward(declared: Declared) -> bool:
 
 
 def _no_real_time(declared: Declared) -> bool:
-    """The latency of an interface binds its members that have a real-time class, too."""
+    """Returns whether a latency of the declaration has no effect, because neither the declaration
+    nor a member of it has a real-time class. Members inherit the latency of their interface."""
     if declared is None:
         return False
     inheriting = declared.members if isinstance(declared, Interface) else ()
@@ -158,7 +160,8 @@ def check(model: Model, findings: Findings) -> None:
     for file in model.files:
         if file.asked_for:
             for declared, name, facts in _annotated(file):
-                # A derived interface may have a class with which an inherited term acts.
+                # A derived interface may declare a real-time class. A term that it inherits from a
+                # base then has an effect, so bases are not checked.
                 is_base = isinstance(declared, Interface) and declared.name in bases
                 if id(facts) not in in_place and not is_base:
                     _one(declared, name, facts, findings)

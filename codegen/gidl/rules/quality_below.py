@@ -21,9 +21,9 @@ def check(model: Model, findings: Findings) -> None:
 
 
 def _comparable(member: Operation | Attribute) -> Qos:
-    """Returns the quality of `member` without the terms in which it may be weaker than its
-    interface. The reliability of a stream or event is that of its samples, and the reliability of
-    an interface is that of its calls."""
+    """Returns the quality of `member` without the terms in which `member` may be weaker than its
+    interface. One of them is the reliability of a stream or event: it applies to samples, but the
+    reliability of an interface applies to calls."""
     own = member.qos
     if member.sends_samples:
         own = replace(own, reliability=None, depth=None, lifespan_ns=None)

@@ -102,7 +102,8 @@ class _ConditionReader:
         self._macros = macros
         self._at = 0
         self._depth = 0
-        self._unneeded = 0  # above 0: in an operand that && or || does not need
+        # Above 0 while an operand is read whose value && or || does not need.
+        self._unneeded = 0
 
     def value(self) -> _Value:
         result = self._binary(0)

@@ -250,7 +250,8 @@ class ForwardSyntax:
 
 @dataclass(slots=True)
 class RefusedSyntax:
-    """A declaration that is not part of .gidl. The parser has reported it, and keeps its name."""
+    """A declaration that is not part of .gidl. The parser has reported the declaration. Its name is
+    kept, so that uses of the name are not reported as unknown."""
 
     name: Name
 

@@ -80,7 +80,7 @@ class LoanHandle {
  private:
   Owner owner_;
   std::shared_ptr<PulledServant> servant_;  ///< must outlive the loan
-  std::shared_ptr<void> memory_;            ///< which a view may use after the end of the loan
+  std::shared_ptr<void> memory_;            ///< a view may use the memory after the end of the loan
   std::span<std::uint8_t> octets_;
   std::unique_ptr<Loan> loan_;
 };

@@ -62,7 +62,7 @@ class Session:
     def call(self, code: int, arguments: bytes, deadline: float | None) -> Command:
         """Calls an operation of the object's interface or a built-in operation."""
     def line(self) -> tuple[str, float, float | None, bool, int, str, str]:
-        """The members of LineState."""
+        """Returns the members of LineState, in order."""
     def next_line_change(
         self, changes: int, timeout: float | None
     ) -> tuple[str, float, float | None, bool, int, str, str] | bool:
@@ -75,8 +75,8 @@ class Session:
     def ask_for_status(self, status: int, password: str, timeout: float) -> Command:
         """Requests a status. While the request waits for other clients, the command is QUEUED."""
     def lease(self, asked: Command) -> Lease | tuple[int, str, str, bytes]:
-        """Returns the lease that a request for a status was granted, or the reason of its failure.
-        Waits until the request has ended."""
+        """Waits until the request `asked` for a status has ended. Returns the lease that the server
+        has granted, or the reason why the request failed."""
     def decline_status(self, asked: Command) -> None:
         """Withdraws a request for a status. Releases the status if it is granted nevertheless."""
     def close(self) -> None: ...
@@ -84,8 +84,8 @@ class Session:
 class Command:
     def id(self) -> str: ...
     def about(self) -> str:
-        """Returns the name of the called operation, for example "RX90.move", if the command failed
-        and no caller has observed the failure."""
+        """Returns the name of the called operation, for example "RX90.move", while the command
+        runs, and after a failure that the program had not observed; else an empty text."""
     def ignore_outcome(self) -> None:
         """Declares that the program does not need the outcome. A failure is then not logged, and
         does not prevent commands that are issued later."""
@@ -100,8 +100,8 @@ class Command:
         no result."""
     def failure(self) -> tuple[int, str, str, bytes]: ...
     def observe(self) -> None:
-        """Marks the command as observed: the log does not tell its failure. The program has not
-        looked at the outcome thereby."""
+        """Marks the command as observed, so that its failure is not logged. The server is not told
+        that the program has seen a failure, as it is after `progress` or `failure`."""
     def observed(self) -> bool: ...
     def peek_failure(self) -> tuple[int, str, str, bytes]:
         """Does the same as failure(), but does not mark the command as observed."""
@@ -119,7 +119,7 @@ class Stream:
     def latest_in_place(self) -> tuple[LentSample, int, int, int] | str | None: ...
     def next_in_place(self, timeout: float | None) -> tuple[LentSample, int, int, int] | str: ...
     def counts(self) -> tuple[int, int, int, int, int]:
-        """The members of StreamCounts; after close(), their values at the time of close()."""
+        """Returns the members of StreamCounts, in order; after close(), the counts at that time."""
     def alive(self) -> bool: ...
     def loss_text(self) -> str:
         """Returns why the stream is lost; an empty text if its Lab was closed."""
@@ -228,27 +228,32 @@ def runtime_directory_problem() -> str | None:
     reason and what to do."""
 
 def lab_file_problem(text: str, file: str) -> str | None:
-    """Returns what is wrong with the text of a lab file, or None. `file` is its path for the
-    message, which begins with file and line."""
+    """Returns what is wrong with the text of a lab file; None if nothing is wrong. `file` is the
+    path of the file. The returned message begins with this path and the line."""
 
 def broker_in_lab_file(patience: float) -> tuple[str, str]:
-    """Returns the address of the broker that the lab file of this program names, and its place, as
-    "[broker] in lab.toml:4". Both are empty if the file names no broker, or does not exist and no
-    setting names it. Raises RuntimeError if the file cannot be used, with what to do."""
+    """Returns the address of the broker that the lab file of this program names, and the place in
+    the file, as "[broker] in lab.toml:4". Both are empty if the file names no broker, or if there
+    is no lab file. Raises RuntimeError, which says what to do, if the file cannot be used, or if
+    GECOS_LAB_FILE names a file that does not exist."""
 
 def may_connect(
     text: str, file: str, server: tuple[str, str], who: tuple[str, str], object: str
 ) -> tuple[bool, str]:
-    """Returns whether a server of `server` (user and host) admits `who` to `object` by this text of
-    a lab file, and the rule as a sentence. Raises ValueError like lab_file_problem."""
+    """Returns whether the server of the user and host `server` admits the user and host `who` to
+    the object `object`, if `text` is the text of the server's lab file. Also returns the rule that
+    decides this, as a sentence. Raises ValueError for a text in which lab_file_problem finds a
+    mistake."""
 
 def may_register(text: str, file: str, who: tuple[str, str], name: str) -> tuple[bool, str]:
-    """Returns whether a server of `who` (user and host) may register an object under `name` by this
-    text of a lab file, and the rule as a sentence. Raises ValueError like lab_file_problem."""
+    """Returns whether a server of the user and host `who` may register an object under `name`, if
+    `text` is the text of the broker's lab file. Also returns the rule that decides this, as a
+    sentence. Raises ValueError as may_connect does."""
 
 def forbids_open_streams(text: str, file: str) -> str:
-    """Returns where the text of a lab file forbids to send the samples of open streams in clear, as
-    "[streams] in lab.toml:3"; "" if it does not. Raises ValueError like lab_file_problem."""
+    """Returns the place at which the text of a lab file forbids to send the samples of open streams
+    in clear, as "[streams] in lab.toml:3"; "" if the text does not forbid this. Raises ValueError
+    as may_connect does."""
 
 def key_directory() -> str:
     """Returns the folder of this user's keys."""
@@ -262,11 +267,12 @@ def key_problem(key: str) -> str | None:
     RuntimeError like own_key."""
 
 def key_owner(key: str) -> str | None:
-    """Returns whose key `key` is, such as "anna@desk", or None if the key folder does not say it.
-    Raises RuntimeError like own_key, and if the file cannot be read or is damaged."""
+    """Returns the owner of the key `key`, such as "anna@desk", or None if the key folder names no
+    owner. Raises RuntimeError like own_key, and if the file of the owner cannot be read or is
+    damaged."""
 
 def is_key_owner(text: str) -> bool:
-    """Returns whether `text` can say whose a key is, as "anna@desk"."""
+    """Returns whether `text` has the form of an owner of a key, such as "anna@desk"."""
 
 def public_key_in(text: bytes) -> str:
     """Returns the key in the text of a .public file. Raises ValueError, for example with the text

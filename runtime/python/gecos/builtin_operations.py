@@ -119,9 +119,9 @@ def stats(robot: Object) -> Command[ObjectStats]:
     """Asks for the counts of the object since it is served: the calls of each operation and of each
     open session by outcome, the times of handlers, and the samples of each stream.
 
-    The server counts. The samples that a reader of a stream lost are therefore not included, but
-    are in `stream.counts`; the latency of a connection is in `gecos.line_state`. A server that was
-    built before this operation existed answers UNKNOWN_OPERATION.
+    The counts are those of the server. They do not include the samples that a reader of a stream
+    has lost, which are in `stream.counts`; the latency of a connection is in `gecos.line_state`. A
+    server that was built before this operation existed answers UNKNOWN_OPERATION.
     """
     return _answers_of(robot).stats()
 

@@ -201,9 +201,9 @@ class Command(TaskOf[T], Generic[T, F]):
 
 
 class _Unobserved(Command[T, F]):
-    """A command that was not observed yet. Only this class has a `__del__`: a Ctrl-C during a
-    `__del__` is lost, and `while True: oven.temperature().result()` would call `__del__` again and
-    again."""
+    """A command that was not observed yet. Only this class has a `__del__`, because Python loses a
+    Ctrl-C that arrives during a `__del__`. A loop such as `while True: oven.temperature().result()`
+    drops an observed command in each round, so Ctrl-C could otherwise fail to end the loop."""
 
     __slots__ = ()
 
@@ -214,15 +214,16 @@ class _Unobserved(Command[T, F]):
         if self._name in _warned:
             return  # a warning was already issued; the log reports later failures
         detail = Detail(self._core.peek()[0])
-        if detail is Detail.DONE or self._core.observed():  # as one that was left out
+        # The core itself marks a command as observed that was left out after an earlier failure.
+        if detail is Detail.DONE or self._core.observed():
             return
         _warned.add(self._name)
         if detail.state is State.RUNNING:
             what = f"{self._name}: dropped while it was running, so nobody would notice a failure"
         else:
             about = self._core.about() or self._name
-            # The warning shows the failure, so the log need not show it. To read the failure for
-            # the warning does not count as an observation by the program.
+            # The warning shows the failure, so the log need not show it. `peek_failure` reads the
+            # failure without telling the server that the program has seen it.
             self._core.observe()
             failure = self._as_error(self._core.peek_failure())
             what = f"{about} failed, and nobody observed the failure: {failure}"

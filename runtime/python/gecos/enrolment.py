@@ -2,10 +2,10 @@
 
 The laboratory makes a link with its address, its public key and an invitation, which is a secret of
 128 bits. The user sends the link to the other machine over a channel that no stranger can read. A
-program there connects by TCP and sends its public key, the owner of the key and a proof, which is
-the HMAC-SHA256 of both under the invitation. The laboratory answers in the same way. Each side then
-knows that the other side has the link, and that both keys arrived unchanged. An invitation works
-once and expires.
+program there connects by TCP and sends its public key, the owner of the key and a proof: the
+HMAC-SHA256 of both, with the invitation as key. The laboratory answers in the same way. Each side
+then knows that the other side has the link, and that both keys arrived unchanged. An invitation
+works once and expires.
 
 A request waits in the folder `joining` of the key folder until the user of the laboratory approves
 it. Until then its key is not admitted.
@@ -127,7 +127,10 @@ class Invitation:
         if not _core.is_key_owner(party.owner):
             return "say whose key it is by --as USER@HOST"
         if party.owner == owner or key_folder.is_own_user(party.owner):
-            return f"{party.owner} is admitted to everything here; name yourself by --as USER@HOST"
+            return (
+                f"{party.owner} is admitted to everything here, so it cannot be your name; give "
+                "your user and host by --as USER@HOST"
+            )
         return None
 
 
@@ -143,7 +146,7 @@ def join(url: JoinUrl, owner: str) -> Party:
         where = f"{url.host}:{url.port}"
         raise EnrolmentError(
             f"nobody waits at {where} ({error}): the link was used, or has expired, or a firewall "
-            f"is between; {ANOTHER}"
+            f"blocks the connection; {ANOTHER}"
         ) from None
     if "refused" in said:
         raise EnrolmentError(said["refused"][:500])
@@ -152,7 +155,8 @@ def join(url: JoinUrl, owner: str) -> Party:
         raise EnrolmentError(f"the answer is not from the laboratory of the link; {ANOTHER}")
     if laboratory.owner == owner:
         raise EnrolmentError(
-            f"the user of the laboratory is {owner}, too; name yourself by --as USER@HOST"
+            f"the user of the laboratory is {owner}, too; give another name for yourself by --as "
+            "USER@HOST"
         )
     return laboratory
 

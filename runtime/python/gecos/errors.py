@@ -147,8 +147,9 @@ class DeclaredError(CommandFailed):
         return shown
 
     def _gecos_is_computed(self) -> bool:
-        """Returns whether an optional member is present. Such a member says how the object computed
-        `value`. A computed `value` cannot be an input that the caller gave in a wrong unit."""
+        """Returns whether an optional member of the exception has a value. Such a member says how
+        the object computed the member `value`. A computed number cannot be an input that the caller
+        gave in a wrong unit."""
         return any(
             member.default is None and getattr(self, member.name) is not None
             for member in self._gecos_members()

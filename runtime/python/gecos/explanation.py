@@ -24,8 +24,8 @@ class UnsuitedMember(NamedTuple):
     name: str
     violations: tuple[Violation, ...]
     samples_only: bool = False
-    """`violations` are those of the samples of a stream. If its getter is refused, too, the getter
-    has an entry of its own."""
+    """True if `violations` concern only the samples of a stream. If the medium does not meet the
+    quality of the stream's getter either, the getter has an entry of its own."""
 
     @property
     def reason(self) -> str:

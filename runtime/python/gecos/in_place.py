@@ -21,8 +21,9 @@ class SampleInPlace(Generic[T]):
     without a copy. Over a medium without shared memory, the octets are in a private copy.
 
     The memory stays readable as long as a view or an array of it exists. A publisher never waits
-    for its readers: after as many further samples as the `depth` of the stream, it overwrites the
-    octets. Call `intact()` after using them, and discard the results if it returns False."""
+    for its readers. It overwrites the octets after it has published as many further samples as the
+    `depth` of the stream. Call `intact()` after you have used the octets, and discard the results
+    if `intact()` returns False."""
 
     value: T
     octets: memoryview
@@ -39,9 +40,9 @@ class SampleInPlace(Generic[T]):
 
 class Loan:
     """The next sample of a stream, in the memory where its readers find it. Fill `octets`, for
-    example with `numpy.asarray(loan.octets)[:] = …`, and call `publish`. A loan that ends without
-    `publish`, at the latest with its `with` block, is no sample. While a stream has a loan, nothing
-    else can be published on this stream."""
+    example with `numpy.asarray(loan.octets)[:] = …`, and call `publish`. If `publish` is not
+    called, the loan ends with its `with` block, and no sample is published. While a stream has a
+    loan, nothing else can be published on this stream."""
 
     def __init__(self, core: _core.Loan) -> None:
         self._core = core

@@ -67,8 +67,8 @@ class QualityClass(IntEnum):
 
 
 class Reliability(IntEnum):
-    """RELIABLE demands a medium over which nothing is lost on its way, BEST_EFFORT demands nothing.
-    DEFAULT is RELIABLE for a call, and BEST_EFFORT for the samples of a stream."""
+    """RELIABLE demands a medium that loses nothing, BEST_EFFORT demands nothing. DEFAULT is
+    RELIABLE for a call, and BEST_EFFORT for the samples of a stream."""
 
     DEFAULT = 0
     RELIABLE = 1
@@ -103,15 +103,16 @@ class Quality(Record, kw_only=True):
     manual_liveliness: bool = False
     depth: int = 0
     media: Media = ANY_MEDIUM
-    on_degraded: OnDegraded = OnDegraded.EVENT  # of an interface
+    on_degraded: OnDegraded = OnDegraded.EVENT  # only an interface has this term
 
 
 ASKED_NOTHING = Quality()
 
 
 def quality_of_calls(of_stream: Quality) -> Quality:
-    """Returns the quality that the getter and the setter of a stream demand. The deadline of a
-    stream limits the time between two samples, and its reliability is that of samples."""
+    """Returns the quality that the getter and the setter of a stream demand. Leaves out the
+    deadline, which limits the time between two samples, and the reliability, which applies only to
+    samples."""
     return replace(of_stream, deadline_ns=0, reliability=Reliability.DEFAULT)
 
 
@@ -141,8 +142,8 @@ class OutwardStream(Record, kw_only=True):
     access: Access = Access.SENSOR
     rate_hz: float = 0.0
     largest: int = 0  # bytes of the largest sample; 0 when unbounded
-    event: bool = False  # each sample is an occurrence: readers start after the subscription
-    hash: int = 0  # of an event; the hash of a stream is that of the operation
+    event: bool = False  # True for an event: a reader gets only samples after its subscription
+    hash: int = 0  # hash of an event; 0 for a stream, which has the hash of its getter
     open_fingerprint: int | None = None  # LCM fingerprint of the samples of an @open_stream
     bulk: bool = False  # True if samples have @bulk octets, which can be written in place
     quality: Quality = ASKED_NOTHING

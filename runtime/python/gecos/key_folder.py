@@ -44,9 +44,9 @@ class Admitted:
 
 @dataclass(frozen=True, slots=True)
 class Revoked:
-    """A line of the file `revoked` of the key folder: a key, every key of an owner if `key` is
-    empty, or a key without an owner if `owner` is empty. The broker of this user tells this list to
-    all servers (gecos/access/revocations.hpp)."""
+    """A line of the file `revoked` of the key folder. The line revokes the key `key`, or, if `key`
+    is empty, every key of `owner`. If `owner` is empty, `key` has no owner. The broker of this user
+    tells the lines to all servers (gecos/access/revocations.hpp)."""
 
     key: str
     owner: str
@@ -97,8 +97,8 @@ def _judged(file: Path) -> Admitted:
 
 
 def owner_of(key: str) -> str | None:
-    """Returns the owner of an admitted key, such as "anna@desk"; None if it has none that can be
-    read."""
+    """Returns the owner of an admitted key, such as "anna@desk"; None if the key has no owner, or
+    if the file of the owner cannot be read."""
     try:
         return _core.key_owner(key)
     except RuntimeError:  # `problem` has the reason
@@ -238,7 +238,9 @@ def revoked() -> list[Revoked]:
     for number, line in enumerate(lines, 1):
         key, _, owner = line.partition(" ")
         if not owner or not (key == "-" or _KEY.fullmatch(key)):
-            raise KeyFolderError(f"{file}:{number}: this is not a key and its owner; correct it")
+            raise KeyFolderError(
+                f"{file}:{number}: this line is not a key and its owner; correct it"
+            )
         found.append(Revoked(key.replace("-", ""), "" if owner == "-" else owner))
     return found
 
@@ -249,7 +251,8 @@ def _write_revoked(revocations: list[Revoked]) -> None:
 
 
 def _pardon(key: str, owner: str) -> None:
-    """Ends the revocation of a key, and the one of all keys of its owner."""
+    """Removes the lines from the file `revoked` that revoke `key`, the owner `owner`, or the user
+    of `owner` on all hosts."""
     owners = {owner, owner.partition("@")[0]} if owner else set()
     before = revoked()
     after = [
@@ -265,7 +268,7 @@ def _note_revoked(news: list[Revoked]) -> None:
 
 
 def revocations_of(name: str, gone: list[Admitted]) -> list[Revoked]:
-    """Returns the revocations of `revoke(name)`, which has returned `gone`."""
+    """Returns the lines of the file `revoked` for the keys `gone`, which `revoke(name)` removes."""
     whole = [Revoked("", name)] if any(_is_of(one, name) for one in gone) else []
     return [*(Revoked(one.key, one.owner or "") for one in gone if one.key), *whole]
 
@@ -275,14 +278,15 @@ def _is_of(one: Admitted, name: str) -> bool:
 
 
 def revoke(name: str) -> list[Admitted]:
-    """Removes the keys of an owner, or the key with this file name or beginning of its fingerprint,
-    and returns them. Writes them into the list that the broker tells to all servers. Raises
+    """Revokes all keys of the owner `name`, or the one key whose file name or whose beginning of
+    the fingerprint is `name`. Removes the keys from the key folder, adds them to the file
+    `revoked`, whose lines the broker tells to all servers, and returns the removed keys. Raises
     KeyFolderError if there is no such key, and RuntimeError like own_key."""
     found = owned_by(name)
     if not found and not re.fullmatch(r"[0-9a-fA-F:]+", name.removesuffix(_SUFFIX)):
         raise KeyFolderError(f"{name}: no admitted key has this owner; `gecos keys` lists them")
-    # The list is written before the keys are removed. If this program is killed in between, running
-    # it again completes the revocation.
+    # For the keys of an owner, the lines are written before the keys are removed. If this program
+    # is killed in between, running it again completes the revocation.
     if found:
         _note_revoked(revocations_of(name, found))
     for one in found:

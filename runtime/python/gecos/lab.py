@@ -62,8 +62,9 @@ class Lab:
         medium is measured by a few pings before it is used. `patience` is the longest wait in s for
         an answer of the broker and of each server. If `create` reaches no object, and at least one
         of the objects is not online or no broker answers, `create` tries again for `wait` s;
-        `math.inf` means without limit. `create` does not try again if all objects are online, for
-        example with another type. Raises CreateError with a reason for each name.
+        `math.inf` means without limit. `create` does not try again if all objects are online and
+        none can be used, for example because of its type. Raises CreateError with a reason for each
+        name.
 
         Instead of names, a reference may be given (`lab.create(Tool, changer.current().result())`).
         A reference is valid only while the server process that it refers to serves the object,

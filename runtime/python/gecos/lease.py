@@ -68,8 +68,8 @@ class Lease:
         return f"<Lease {status} of {self._object_name}: {self._state()}, epoch {self.epoch:#x}>"
 
     def _state(self) -> str:
-        """Returns the state of the status as this program knows it. If another client has stopped
-        the object, this program learns it only when a command ends."""
+        """Returns the state of the lease as far as this program knows it. If another client has
+        stopped the object, this program learns of this only when one of its commands ends."""
         if self._released:
             return "released"
         return "lost" if self._core.lost() else "acquired, not released"
@@ -163,7 +163,7 @@ def _await_reply(asked: _core.Command, on_position: Callable[[int], object] | No
         asked.wait(None)
         return
     reported = None
-    while not asked.wait(0.05):  # no event announces progress
+    while not asked.wait(0.05):  # a new position ends no wait
         detail, position, _ = asked.progress()
         if detail == Detail.QUEUED and position != reported:
             reported = position

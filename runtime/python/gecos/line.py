@@ -36,8 +36,8 @@ class LineWatch:
     connection is degraded while its round trip exceeds the smallest `latency` that the `@qos` of
     the interface or of a member demands, with the class SOFT_REALTIME or HARD_REALTIME. A single
     slow answer is not reported: all answers within one second must be slow, or all fast. With
-    `on_degraded="failover"`, also reports that the proxy has moved to another medium, or why it
-    stays.
+    `on_degraded="failover"`, also reports that the proxy has moved to another medium, or why the
+    proxy stays on its medium.
 
     Iterating waits for each change, and ends when the session is lost or closed. Only one thread
     reads at a time.

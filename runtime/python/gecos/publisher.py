@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Self
 
 Publish = Callable[[threading.Event], object]
-"""A function that publishes samples until its argument, an event, is set."""
+"""A function that publishes samples until its argument, a `threading.Event`, is set."""
 
 
 class Publisher:

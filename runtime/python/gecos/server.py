@@ -34,8 +34,8 @@ class Server:
 
     `insecure=True` admits every user and host that the kernel or an admitted key proves: neither
     `allow` nor an [allow] of the lab file counts. Such a server serves simulated objects only, and
-    says so on stderr, in its audit and in the descriptions of its objects. Set it only for a flag
-    that a person gives to the program, never for an environment variable.
+    says so on stderr, in its audit and in the descriptions of its objects. Set it only if a person
+    asks for it by a flag of the program, never because of an environment variable.
     """
 
     def __init__(self, lab: Lab, *, insecure: bool = False) -> None:
@@ -50,10 +50,11 @@ class Server:
 
         If the lab file also has a list for an object, both lists must admit a client. Applies to
         connections that are made after the call, and replaces the names of an earlier call. The
-        broker is told these names: it lets a user whom no list of its lab file admits look for the
-        objects of this server, and do nothing else. Does not lower the status that an operation
-        needs. Raises ValueError if there are more than 256 users or more than 256 hosts,
-        or if a name is empty, or has more than 256 bytes or a control character.
+        server tells these names to the broker. If no list of the broker's lab file admits a named
+        user, this user may then ask the broker for the objects of this server, and for nothing
+        else. Does not lower the status that an operation needs. Raises ValueError if there are more
+        than 256 users or more than 256 hosts, or if a name is empty, or has more than 256 bytes or
+        a control character.
         """
         self._core.allow(_names("users", users), _names("hosts", hosts))
 

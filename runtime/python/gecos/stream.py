@@ -49,10 +49,10 @@ class StreamCounts:
     """The counts of the samples of one subscription, and of the deadlines that its stream
     missed."""
 
-    received: int  # read, each counted once
-    lost: int  # overwritten before `next` came to them, or lost on the way
-    skipped: int  # passed over by `latest`, which returned a newer one
-    expired: int  # older than the lifespan when they came to be read; not returned
+    received: int  # samples that were read, each counted once
+    lost: int  # samples that were overwritten before they were read, or lost on the way
+    skipped: int  # samples that `latest` passed over, because it returned a newer one
+    expired: int  # samples that were not returned, because they were older than the lifespan
     missed_deadlines: int  # periods of the deadline that passed without a sample
 
 

@@ -84,7 +84,7 @@ class Writer(Generic[T]):
 
     def feeds(self, command: Command[Any, Any] | None) -> None:
         """Makes each further sample feed `command`: the sample has an effect only while `command`
-        runs and takes samples. None: further samples feed no command."""
+        runs and takes samples. If `command` is None, further samples feed no command."""
         self._core.feeds(None if command is None else command.id)
 
     def report(self) -> Command[FeedReport]:

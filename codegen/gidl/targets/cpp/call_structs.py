@@ -122,7 +122,7 @@ class _Step:
 
     type: str
     arguments: tuple[str, ...] = ()
-    default: bool = field(default=False, kw_only=True)  # True: follows from the C++ type
+    default: bool = field(default=False, kw_only=True)  # True: the C++ type implies this step
 
     @property
     def value(self) -> str:
@@ -200,8 +200,9 @@ class _Calls(Structs):
         )
 
     def _step(self, node: Node, inside: bool, secret: bool = False) -> _Step:
-        """`inside` tells that the value is an element of a sequence or map. The decoder of a
-        sequence or map must know the smallest size of an element in bytes."""
+        """Returns the encoding of a value. `inside` tells that the value is an element of a
+        sequence or map. The decoder of a sequence or map must know the smallest size of an element
+        in bytes."""
         if secret:
             step = self._step(node, inside)
             arguments = (step.value,) if step.arguments else ()

@@ -118,8 +118,8 @@ def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -
 
 
 OWN_TYPE = TypeName(("gecos",), "")
-"""Stands for the types of the namespace gecos, which a mock uses in addition to the types of its
-interfaces."""
+"""Reserves the name `gecos`, the namespace of the runtime types that every mock uses. The namespace
+of the mocks gets another name."""
 
 
 def _words(lowering: Lowering, interface: Interface) -> set[str]:

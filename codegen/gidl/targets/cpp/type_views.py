@@ -102,7 +102,7 @@ class ArmView:
     type: str
     argument: str
     index: int
-    tag: str  # default label: selects the arm if the program gives none
+    tag: str  # label that the factory function sets as tag; not used if `several` is True
     several: bool  # True: no single label selects the arm; its factory function takes the tag
     secret: bool
     doc: tuple[str, ...]

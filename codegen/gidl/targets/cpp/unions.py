@@ -71,8 +71,8 @@ class Unions(ValueNames):
         return self._lowering.initial(dummy)
 
     def _select(self, union: Union) -> list[str]:
-        """Returns statements that return the index of the alternative of the std::variant that
-        `tag` selects."""
+        """Returns C++ statements that return the number of the arm that `tag` selects, counted from
+        1, or 0 if `tag` selects no arm. The number is the index of the arm in the std::variant."""
         boolean = self._model.target(union.discriminator) == PrimitiveType(Primitive.BOOLEAN)
         lines, otherwise = [], "return 0;"
         for index, case in enumerate(union.cases):

@@ -84,8 +84,8 @@ class Checks(Types):
     def _check(
         self, node: Node, x: str, label: str, local: Locals, inner: bool = False
     ) -> list[str]:
-        """`inner` tells that `x` is itself an element, so that a message about an element of `x`
-        needs more than one index."""
+        """Returns statements that check the value `x`. `inner` tells that `x` is itself an element.
+        A message about an element of `x` then needs more than one index."""
         match node:
             case ScalarNode():
                 return self._check_number(node, x, label)

@@ -91,8 +91,8 @@ class ModuleNames:
         taken: Iterable[str] = (),
         own_modules: Iterable[str] = (),
     ) -> None:
-        """`used` are the classes that the module uses. Classes of `own_modules` are not imported.
-        `taken` are all names that the module itself defines."""
+        """Chooses the names for one module. `used` are the classes that the module uses. Classes of
+        `own_modules` are not imported. `taken` are all names that the module itself defines."""
         self.homes = homes
         self._own = frozenset(own_modules)
         self._here = set(taken)

@@ -93,7 +93,7 @@ class InterfaceView:
     quality: str  # "" if the interface demands no quality
     model: str  # JSON that the object serves; "" for the built-in operations
     model_constant: str
-    hidden: tuple[str, ...]  # types that a method hides
+    hidden: tuple[str, ...]  # builtin types whose names are also names of methods of the class
     methods: tuple[MethodTableView, ...]
     members: tuple[ProxyMemberView, ...]
     handlers: tuple[HandlerView, ...]
@@ -110,5 +110,5 @@ class InterfacesView:
     imports: tuple[str, ...]
     numpy: bool
     exported: tuple[str, ...]
-    hidden: tuple[str, ...]  # types that get an alias, such as `_list_`, which no method hides
+    hidden: tuple[str, ...]  # builtin types that get an alias in the file, such as `_list_`
     interfaces: tuple[InterfaceView, ...]

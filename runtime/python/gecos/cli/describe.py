@@ -24,8 +24,8 @@ _READ_WITHIN = 0.5  # s in which an object must answer; a value that comes later
 def describe(name: str, broker: str | None, as_json: bool) -> None:
     """Shows the type and state of an object, and its operations, attributes and streams.
 
-    Shows the values of the attributes that are a number, a boolean or a text, if they are readonly,
-    have no stream, and need no status.
+    Shows the value of each readonly attribute that is a number, a boolean or a text, has no stream
+    and needs no status.
     """
     import gecos
     from gecos.dynamic_client import read_model
@@ -51,8 +51,8 @@ def describe(name: str, broker: str | None, as_json: bool) -> None:
 
 
 def _readings(lab: Lab, name: str, model: Model, models: list[str]) -> dict[str, Any]:
-    """Returns the values of the attributes that describe an object. Leaves out those that the
-    object does not tell in time, for example because a handler of it runs."""
+    """Returns the values of the attributes that describe an object. Leaves out each attribute whose
+    value does not arrive in time, for example because the object is busy with another call."""
     from gecos.dynamic_client import Attribute, by_name
     from gecos.dynamic_client.proxy import proxy_class
     from gecos.errors import CommandFailed, ConnectionFailed, CreateError

@@ -12,7 +12,9 @@ from gecos.cli.options import broker_option, json_option, name_argument, print_j
 if TYPE_CHECKING:
     from gecos import CreateError, Explanation, Lab, Object
 
-_ANY_LATENCY = 3600.0  # s; asks `create` for a measurement, and refuses no medium
+# The limit for the round trip in s that is passed to `create`. With a limit, `create` measures the
+# round trip; the limit is so long that no medium is refused.
+_ANY_LATENCY = 3600.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     import gecos
 
 
-# Two servers of an object number its changes from two random numbers of 52 bits.
+# The most changes that may have been missed. A larger difference between two change numbers means
+# that another server serves the object: each server counts from a random number of 52 bits.
 MOST_MISSED = 2**32
 
 

@@ -80,8 +80,8 @@ def add(file: Path, owner: str | None, as_json: bool) -> None:
     """Admits the user to whom the given .public file belongs.
 
     USER@HOST is the owner of the key: the lists of a lab file and of Server.allow then decide to
-    which objects that user may connect. Without USER@HOST, the key counts as another key of yours,
-    which is admitted to everything: for your own keys on other machines alone.
+    which objects that user may connect. Leave USER@HOST out only for your own keys on other
+    machines: such a key counts as another key of yours, which is admitted to everything.
     """
     from gecos import key_folder
 

@@ -263,8 +263,9 @@ def _ends(
     shows: bool,
     paused: _PauseNotice | None = None,
 ) -> Command[Any, Any]:
-    """Waits for the end of a command and returns the command. After `timeout`, cancels the command
-    and raises NotEnded, unless the command ended in another way. On Ctrl-C, cancels the command and
+    """Waits for the end of a command and returns the command. After `timeout`, asks the server to
+    cancel the command; then raises NotEnded if the command was canceled or still runs, and returns
+    the command if it has ended in another way. On Ctrl-C, asks the server to cancel the command and
     raises InterruptedCommand."""
     try:
         if _ended_within(command, label, timeout, shows, paused):

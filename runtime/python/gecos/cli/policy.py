@@ -42,7 +42,7 @@ def policy() -> None:
     metavar="USER",
     help="User of the server; default: as the broker says, else yours.",
 )
-@click.option("--serve", is_flag=True, help="Whether USER may serve OBJECT, by [names].")
+@click.option("--serve", is_flag=True, help="Say whether [names] lets USER serve OBJECT.")
 @broker_option
 @json_option
 def test(
@@ -118,12 +118,12 @@ class _Found:
     """What the lab file says about a user and an object, and what the object has answered."""
 
     allowed_by_file: bool
-    rule: str  # of the lab file
-    server: ServerUser | None = None  # None: it is about serving
-    program: str = ""  # what a list in the program of the server may change
-    answer: Answer | None = None  # of the object, if this program is of the user
+    rule: str  # the rule of the lab file that decides, as a sentence
+    server: ServerUser | None = None  # None with --serve, which asks about the name OBJECT
+    program: str = ""  # how a list in the program of the server may change the verdict
+    answer: Answer | None = None  # what the object answered; None: the object was not asked
     member: Member | None = None
-    unknown: Exception | None = None  # why the member is not known
+    unknown: Exception | None = None  # the reason why the member is not known
     is_open: bool = False  # whether the member is an open stream
     forbids_open: str = ""  # where the lab file forbids open streams
 

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     import gecos
     from gecos.dynamic_client.model import Member
 
-_MOMENT = 1.0  # s for which the broker is asked; the lab file is read without it, too
+# Longest wait for the broker's list in s. Without the list, the command assumes that this user runs
+# the server.
+_MOMENT = 1.0
 
 
 class KnownFrom(StrEnum):
@@ -29,8 +31,8 @@ class KnownFrom(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ServerUser:
-    """The user and the host of a server, and how they are known. If they are ASSUMED or UNKNOWN,
-    they are the user and the host of this program."""
+    """The user and the host of a server, and how they are known. If `known_from` is ASSUMED or
+    UNKNOWN, `user` and `host` are those of this program."""
 
     user: str
     host: str
@@ -42,7 +44,7 @@ class Answer:
     """What an object says when this program connects."""
 
     admits: bool | None  # None: the object was not reached
-    reason: str  # why it refuses or was not reached; "" if it admits
+    reason: str  # why the object refuses or was not reached; "" if it admits
     reached: gecos.Object | None = None
     error: Exception | None = None  # if the object was not reached, or refuses
 
@@ -94,9 +96,9 @@ def answer(lab: gecos.Lab, name: str) -> Answer:
 
 
 def member(lab: gecos.Lab, name: str, called: str, answer: Answer | None) -> Member:
-    """Returns the operation or attribute `called` of the object `name`. `answer`: what the object
-    has answered already; None: connects to the object and asks it. Raises UsageFailure if there is
-    no such member, and the errors of `find`."""
+    """Returns the operation or attribute `called` of the object `name`. `answer` has the connection
+    to the object; if `answer` is None, connects to the object. Raises UsageFailure if there is no
+    such member, and the errors of `find`."""
     import gecos
     from gecos.dynamic_client import read_model
     from gecos.dynamic_client.connect import find, served_models, without_model
@@ -139,7 +141,7 @@ def needs(of: Member) -> list[str]:
 
 
 def is_open(of: Member) -> bool:
-    """Returns whether a member is an open stream, by its interface."""
+    """Returns whether the interface declares a member as an open stream."""
     from gecos.dynamic_client import Attribute
 
     return isinstance(of, Attribute) and of.stream is not None and of.stream.open

@@ -1,4 +1,5 @@
-"""Recognises the refusal of this program by the broker, whose detail is NO_SERVER."""
+"""Recognises that the broker refuses this program. Such a refusal has the detail NO_SERVER, as has
+an object that is not online, so only the text of the reason tells the two apart."""
 
 from __future__ import annotations
 

@@ -12,7 +12,8 @@ from gecos.cli.exit_codes import ExitCode, UsageFailure
 from gecos.cli.options import broker_option, json_option, print_json
 
 _APPLIED_WITHIN = 3.0
-"""Longest wait for the servers that hear the broker, in s. They ask it once a second."""
+"""Longest wait in s until the servers that hear the broker have applied a revocation. Each server
+asks the broker once a second."""
 _BETWEEN_LOOKS = 0.1  # s
 
 if TYPE_CHECKING:
@@ -122,7 +123,7 @@ def _why_behind(one: Presence, behind: list[str]) -> str | None:
         return None
     return (
         f"its server runs as {one.entry.user}@{one.entry.hostname}, and the broker does not hear "
-        "it; it applies the revocation when it is in contact with the broker again"
+        "that server; the server applies the revocation when it reaches the broker again"
     )
 
 

@@ -87,7 +87,8 @@ def _failure(lab: gecos.Lab, name: str, online: dict[str, Entry]) -> Exception |
 
 
 def _failure_of(connected: Callable[[], gecos.Object]) -> Exception | None:
-    """Stops an object. Returns the reason if it could not be reached or has not confirmed."""
+    """Stops an object. Returns the reason if the object could not be reached or has not confirmed
+    the stop; else None."""
     try:
         gecos.stop(connected()).result(_STOP_WITHIN)
     except TimeoutError:

@@ -29,7 +29,7 @@ BROKER = "BROKER"
 """The name of the broker itself, which no broker lists."""
 
 _ASK_ANYWAY = 1.0  # time in s after which a server that did not answer is asked again
-_LEAST_PATIENCE = 0.2  # in s, of the last attempt of a wait
+_LEAST_PATIENCE = 0.2  # s; the last attempt of a wait gets this patience if less time is left
 _MAY_PASS = {
     Detail.NO_SERVER,
     Detail.NOT_STARTED,
@@ -66,13 +66,14 @@ def find(
     """Connects to the object called `name`, whatever its interface, or to the broker itself, which
     is called BROKER. The proxy has only the built-in operations. While the object is not online, no
     broker answers, or the broker refuses this program, tries again for `wait` s: a server that
-    starts may make this user a visitor of the broker. Each of up to three questions of an attempt
-    waits for `patience`. Raises CreateError, which says since when the object is silent, proposes a
-    similar name, or lists the objects online. Raises CommandFailed or ConnectionFailed if the
-    broker dies before it has answered."""
+    starts may make this user a visitor of the broker. An attempt asks up to three questions, and
+    waits up to `patience` s for each answer. Raises CreateError, which says since when the object
+    is silent, proposes a similar name, or lists the objects online. Raises CommandFailed or
+    ConnectionFailed if the broker dies before it has answered."""
     end = time.monotonic() + wait
     given = patience
-    told: CreateError | CommandFailed | ConnectionFailed | None = None  # by the attempt before
+    # The error to raise when no attempt succeeds.
+    told: CreateError | CommandFailed | ConnectionFailed | None = None
     with contextlib.ExitStack() as opened:
         changes: ObjectWatch | None = None
         while True:

@@ -189,8 +189,8 @@ class AttributeStream(Record):
     direction: str  # "out": the server publishes; "in": the server receives
     rate_hz: float = 0.0  # 0: not declared
     largest: int = 0  # bytes of the largest sample; 0 when unbounded
-    watchdog_ns: int = 0  # of a stream that clients send; 0: none
-    open: bool = False  # over lcm it is also sent in clear
+    watchdog_ns: int = 0  # watchdog time of an inward stream; 0: no watchdog
+    open: bool = False  # True for an open stream, which is also sent in clear over lcm
 
 
 class Attribute(Record, kw_only=True):

@@ -67,8 +67,8 @@ def read_laboratory(path: Path) -> LaboratoryDescription:
         raise LaboratoryFileError(f"{path}: {error.strerror}") from None
     except ValueError as error:  # not UTF-8, or not TOML; then the error has line and column
         raise LaboratoryFileError(f"{path}: {error}") from None
-    # Servers and clients read the same file. Their code checks its keys, its lists of users, and
-    # where it says that the broker is.
+    # Servers and clients read the same file. The function that they use checks the keys, the lists
+    # of users and the address of the broker; _Reader checks the rest.
     if problem := _core.lab_file_problem(text, str(path)):
         raise LaboratoryFileError(problem)
     return _Reader(path, text).laboratory(data)

@@ -16,8 +16,8 @@ class What(StrEnum):
     RESTARTED = "restarted"  # a program that had ended has been started again
     NOT_STARTED = "not_started"  # a program cannot be started again now
     NOT_READY = "not_ready"  # a program that was started again does not become ready
-    KILLED = "killed"  # a program did not end when it was asked to
-    UNREAD_LISTS = "unread_lists"  # its file has lists now, which the programs do not read
+    KILLED = "killed"  # a program did not end when asked to, and was killed
+    UNREAD_LISTS = "unread_lists"  # the lab file has lists now, which the programs do not read
     ALL_READY = "all_ready"  # the laboratory is ready
     CLOSING = "closing"  # all programs are being ended, the last one first
 
@@ -30,13 +30,14 @@ class Event:
     event: What
     text: str
     program: str = ""  # "" for the whole laboratory
-    status: int | None = None  # of a program that has ENDED; the negative number of a signal
+    # Exit status of a program that has ENDED, or the negative number of the signal that ended it.
+    status: int | None = None
     restarts_in: float | None = None  # s; None if the program is not started again
 
 
 Report = Callable[[Event], None]
 
-_QUIET = (What.READY, What.RESTARTED)  # the program itself prints a line about it
+_QUIET = (What.READY, What.RESTARTED)  # not shown, because the program itself prints a line
 
 
 def show(event: Event) -> None:

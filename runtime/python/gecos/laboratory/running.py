@@ -27,9 +27,9 @@ _LONGEST_LINE = 65536  # characters; a longer line is printed in parts
 # Longest wait in s. A signal that arrives just before Python begins to wait is handled only after
 # the wait.
 _LOOK_ANYWAY = 0.5
-_FIRST_PAUSE = 0.5  # s before a program is started again; doubles each time
+_FIRST_PAUSE = 0.5  # s before a program is started again; each further pause is twice as long
 _LONGEST_PAUSE = 30.0  # s
-_LONG_RUN = 60.0  # s after which a program that ends is started again after the first pause
+_LONG_RUN = 60.0  # s; after a run of this length, the next pause is _FIRST_PAUSE again
 
 
 class LaboratoryError(RuntimeError):
@@ -112,8 +112,8 @@ class _Process:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
 
     def complain_if_not_ready(self) -> None:
-        """Reports that the program is not ready. Called when the program has not become ready
-        READY_WITHIN s after its start."""
+        """Reports the program if it is neither ready nor ended. Is called READY_WITHIN s after the
+        program was started again."""
         if not self._ready_or_ended.is_set():
             self._report(Event(What.NOT_READY, self._not_ready(), self.program.name))
 
@@ -228,7 +228,7 @@ class RunningLaboratory:
         self._processes[program.name].kill()  # processes that the program has left behind
         try:
             process = self._launch(program)
-        except OSError as error:  # for example while its file is being replaced
+        except OSError as error:  # for example while the program's file is being replaced
             text = f"{program.name} cannot be started: {error}"
             self._start_later(program, Event(What.NOT_STARTED, text, program.name))
             return
@@ -261,7 +261,7 @@ def running(
     `folders`, in the folder of this command, and in PATH. With `restart`, each program is started
     again when it ends by itself. `report` is called with each event, from several threads. Raises
     LaboratoryError if a program is missing or does not become ready, and if the programs would not
-    use the broker that the laboratory starts. The programs that already run are ended first."""
+    use the broker that the laboratory starts. Before that, ends the programs that already run."""
     commands = [(p, _command(laboratory, p, folders)) for p in laboratory.programs]
     variables = dict(os.environ if environment is None else environment)
     variables["GECOS_BROKER"] = _broker_of(laboratory, variables.get("GECOS_BROKER", ""))
@@ -282,7 +282,7 @@ def running(
 
 def _broker_of(laboratory: LaboratoryDescription, named: str) -> str:
     """Returns the address of the broker for the programs. The programs get this address, because
-    they may read another lab file than that of the laboratory, which may name another broker.
+    they may read the lab file of the host, and that file may name another broker.
     `named` is the value of GECOS_BROKER. Raises LaboratoryError if this laboratory starts a broker,
     which is at the address `shm`, and `named` is another address."""
     if laboratory.broker_address:

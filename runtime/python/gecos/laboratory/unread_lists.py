@@ -12,10 +12,12 @@ from gecos.laboratory.description import (
 
 
 class UnreadLists:
-    """Watches the file of a laboratory whose programs were started without this file, because it
-    had no lists. Programs are not given a file without lists, because they would read it in place
-    of the lab file of the host and miss its lists and zones, and because servers refuse a file that
-    a group may write."""
+    """Watches the file of a laboratory if this file had no lists when the programs were started.
+    The programs then do not read the file, so they ignore lists that are added later.
+
+    `gecos up` gives the programs only a file with lists, for two reasons. A program reads this file
+    in place of the lab file of the host, and would miss the lists and zones of the host's file.
+    Servers also refuse a file that a group may write."""
 
     def __init__(self, laboratory: LaboratoryDescription) -> None:
         watched = bool(laboratory.file) and not laboratory.names_users
@@ -38,7 +40,8 @@ class UnreadLists:
         self._file = None
         return (
             f"{self._shown} has lists of users or objects now, which the running programs do not "
-            "read, because it had none when they were started; end this command and start it again"
+            "read, because the file had no lists when the programs were started; end this command "
+            "and start it again"
         )
 
     def _state(self) -> tuple[int, int] | None:

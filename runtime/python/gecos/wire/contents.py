@@ -19,8 +19,8 @@ class Encodes(Protocol):
 
 
 class Contents(Encodes, Protocol):
-    """GeneralContents: a value that encodes and decodes itself. Its type is generated or written by
-    hand."""
+    """A value that encodes and decodes itself. Its type is generated or written by hand. In C++,
+    the concept GeneralContents corresponds to this protocol."""
 
     @classmethod
     def decode(cls, source: Decoder, /) -> Self:

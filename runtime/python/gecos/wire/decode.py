@@ -127,8 +127,8 @@ class Decoder:
     def ranged(
         self, code: str, low: Any, high: Any, field: str = "", limits: Range | None = None
     ) -> Any:
-        """Reads a number of `code` from `low` to `high`, which messages show as `limits`. None
-        means that there is no limit on that side."""
+        """Reads a number of `code` that must be from `low` to `high`. None means that there is no
+        limit on that side. `limits` is the range as error messages show it."""
         value = self.number(code, field)
         if (low is not None and not value >= low) or (high is not None and not value <= high):
             why = outside(value, limits or Range(low, high))

@@ -162,8 +162,8 @@ def numbers(
     high: Any = None,
     limits: Range | None = None,
 ) -> Parts:
-    """Encodes a sequence of numbers: its count, then the numbers, each from `low` to `high`, which
-    messages show as `limits`."""
+    """Encodes a sequence of numbers: its count, then the numbers. Each number must be from `low` to
+    `high`. `limits` is this range as error messages show it."""
     kind, wanted, native, _ = arrays(code)
     if (  # the usual case, handled fast
         type(values) is kind
@@ -188,8 +188,8 @@ def fixed(
     high: Any = None,
     limits: Range | None = None,
 ) -> memoryview:
-    """Encodes an array of numbers of shape `shape`, each number from `low` to `high`, which
-    messages show as `limits`."""
+    """Encodes an array of numbers of shape `shape`. Each number must be from `low` to `high`.
+    `limits` is this range as error messages show it."""
     given = _as_array(values, code, field)
     if given.shape != shape:
         raise EncodeError(

@@ -31,7 +31,7 @@ class Range:
         self.low, self.high, self.unit = low, high, "" if unit == "1" else unit
 
     def __str__(self) -> str:
-        """ "[0.01, 1.0] m/s" """
+        """Returns the range as messages show it, for example "[0.01, 1.0] m/s"."""
         low = "-inf" if self.low is None else self.low
         high = "inf" if self.high is None else self.high
         return f"[{low}, {high}]{f' {self.unit}' if self.unit else ''}"

@@ -44,7 +44,7 @@ class InvalidFrame(ValueError):
 class Twist:
     """The velocity of a rigid body, as arrays (3,) along the axes of one coordinate system."""
 
-    linear: npt.ArrayLike  # of the point of the body that is at the origin, m/s
+    linear: npt.ArrayLike  # m/s; velocity of the point of the body that is at the origin
     angular: npt.ArrayLike  # rad/s
 
 
@@ -137,8 +137,8 @@ class Frame:
 
     @staticmethod
     def from_matrix(matrix: npt.ArrayLike) -> Frame:
-        """Makes a frame from a homogeneous 4x4 matrix. The first component of its quaternion that
-        is not 0 is positive. Raises InvalidFrame."""
+        """Makes a frame from a homogeneous 4x4 matrix. In the quaternion of the frame, the first
+        component that is not 0 is positive. Raises InvalidFrame."""
         m = np.asarray(matrix, dtype=np.float64)
         if m.shape != (4, 4):
             _refuse(f"the matrix has shape {m.shape}, it must be (4, 4)")
@@ -286,8 +286,9 @@ class Frame:
             z + pz + w * tz + i * ty - j * tx,
         )
 
-    # The methods of GeneralContents. The fields are x, y, z, then w, x, y, z of the quaternion. A
-    # decoded frame keeps its exact numbers, so that encoding it again gives the same bytes.
+    # The methods of the protocol gecos.wire.Contents. The fields are x, y, z, then w, x, y, z of
+    # the quaternion. A decoded frame keeps its exact numbers, so that encoding it again gives the
+    # same bytes.
 
     def encode(self, out: Parts) -> None:
         out.append(_LAYOUT.pack(*self._numbers))

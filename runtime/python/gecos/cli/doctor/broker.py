@@ -11,7 +11,8 @@ from gecos.cli import refusal
 from gecos.cli.doctor.finding import Finding, fine, warning, wrong
 
 _REQUEST = re.compile(r" \(request [0-9a-f-]+\)")
-_NOT_NAMED = re.compile(  # this and the next: of gecos/access/access_policy.cpp
+# This pattern and _NO_LIST match texts of refusals that gecos/access/access_policy.cpp writes.
+_NOT_NAMED = re.compile(
     r"(?:(?P<list>\[[^\]]+\] in \S+):\d+|(?P<of_program>the list in the program of the server).*) "
     r'does not name .+; add (?P<name>"[^"]+") to its (?P<names>\w+)'
 )
@@ -84,7 +85,7 @@ def one_broker(answers: Sequence[Answer]) -> Finding | None:
         f"several brokers answer: {', '.join(found.values())}; names are unique only "
         "within one broker"
     )
-    mend = "end one of them, or name one for all programs: in GECOS_BROKER or in the lab file"
+    mend = "end all but one, or name one for all programs: in GECOS_BROKER or in the lab file"
     return warning("brokers", what, "this host and lcm", mend)
 
 
@@ -104,8 +105,8 @@ def over_lcm(here: Answer, over_lcm: Answer) -> Finding | None:
 
 
 def _refused(why: str, place: str) -> Finding:
-    """Returns the finding for a user whom a broker refuses. This user must not start another
-    broker: it would be another laboratory, without objects."""
+    """Returns the finding for a user whom a broker refuses. The finding does not advise the user to
+    start another broker, because a new broker would be another laboratory, without objects."""
     text = _REQUEST.sub("", why)
     mend = f"ask the user of the broker to {_admission(text)}"
     return wrong("broker", f"the broker refuses this user: {text}", place, mend)
@@ -133,7 +134,7 @@ def _mend(reason: str, at: BrokerPlace, us: str) -> str:
         if at.of_environment:
             return "export GECOS_BROKER=lcm for a broker of another host (unset it for this host's)"
         return f'write address = "lcm" at {at.source} for a broker of another host (or remove it)'
-    mend = f"run gecos broker on the host, and as the user, that {at} names"
+    mend = f"run gecos broker on the host and as the user that {at} names"
     if "does not admit our key" in reason:
         mend += (
             "; if a broker already runs there, ask its user to run gecos keys add FILE "

@@ -66,15 +66,15 @@ def ask_broker(place: str | None) -> Answer:
 
 
 def this_user() -> str:
-    """Returns this user and this host as lists of a lab file name them, as "anna@desk"."""
+    """Returns the name of this user and of this host in one text, such as "anna@desk"."""
     from gecos import key_folder
 
     return f"{key_folder.this_user()}@{socket.gethostname()}"
 
 
 def broker_place() -> BrokerPlace:
-    """Returns where programs of this user look for the broker. Raises RuntimeError if the lab file
-    cannot be used, and may name the broker."""
+    """Returns where programs of this user look for the broker. Raises RuntimeError if GECOS_BROKER
+    is not set and the lab file, which may name the broker, cannot be used."""
     from gecos import _core
 
     named = os.environ.get("GECOS_BROKER", "")

@@ -24,7 +24,7 @@ LIMITS = {
     errno.EMFILE: Limit(resource.RLIMIT_NOFILE, "n", "nofile 65536"),
     errno.EAGAIN: Limit(resource.RLIMIT_NPROC, "u", "nproc 65536"),
 }
-"""The limit that a process has reached when it gets an error number."""
+"""Maps an error number to the limit that a process has reached when it gets this error."""
 
 _OTHERWISE = "end programs that are not needed now"
 

@@ -76,8 +76,9 @@ def _joints_over_time(
     limits: ArmLimits | None,
     commanded: bool,
 ) -> None:
-    """If the limits are known, speeds and accelerations are drawn as fractions of the limit of each
-    joint. The picture then shows which joint is at its limit."""
+    """Draws the positions, speeds and accelerations of the joints over time. If the limits are
+    known, speeds and accelerations are drawn in percent of the limit of each joint. The picture
+    then shows which joint is at its limit."""
     positions, speeds, accelerations = axes
     which = "commanded" if commanded else "measured"
     _lines(positions, _scaled(joints.position, 180 / np.pi), f"{which} joints, °", "joint")
@@ -147,8 +148,8 @@ def _length(axes: Axes, course: Course, label: str, limit: float | None) -> None
 
 
 def _path(axes: Axes, position: Course, title: str, across: int, up: int) -> None:
-    """All views have the same scale. Otherwise the noise across a straight line would be
-    magnified."""
+    """Draws the path of the tool in one view. The axes of all views have the same scale. Otherwise
+    the noise across a straight line would be magnified."""
     axes.set_title(f"path of the tool, {title}", fontsize=8)
     axes.set_xlabel(f"{'xyz'[across]}, mm")
     axes.set_ylabel(f"{'xyz'[up]}, mm")

@@ -13,9 +13,9 @@ MEASURED_OVER = 0.02
 RX90 have a noise of 10 µrad. Over one cycle of 4 ms, this noise causes an acceleration of 1.5
 rad/s²; over 20 ms, only 0.06 rad/s²."""
 
-_STANDS_BEFORE = 0.1  # s before and after the motion that are drawn
-_MOVED = 2e-4  # m; a measured tool that is further away has moved
-_COMMANDED = 1e-9  # rad; a commanded joint that is further away has moved
+_STANDS_BEFORE = 0.1  # s; the picture also shows this time before and after the motion
+_MOVED = 2e-4  # m; measured positions of a tool that stands differ by less
+_COMMANDED = 1e-9  # rad; commanded positions of a joint that stands differ by less
 
 
 @dataclass(frozen=True, slots=True)

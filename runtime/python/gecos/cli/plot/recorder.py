@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _JOINTS = ("joints", "commanded_joints")
 _JOINTED = {"robcl::SixAxis", "robcl::ArticulatedArm"}
 _BEFORE = 1.0  # s; the age of the oldest sample that is kept before the motion begins
-_LOOK = 0.02  # s; how often the arm is asked whether it moves
+_LOOK = 0.02  # s between two questions whether the arm moves
 _STANDS_FOR = 0.3
 """The recording ends when the arm has stood still for this time in s. Shorter stops are normal: a
 program that waits for the end of each move lets the arm stand for some ms between two moves."""
@@ -115,7 +115,9 @@ def record(
             failure, missed = error, 0
     samples = {each: list(reader.samples) for each, reader in readers.items()}
     recording = _joined(name, interface, cycle, missed, samples, joints)
-    if clock != 1:  # the stamps are real time, but no cycle of a simulated arm is skipped
+    # The stamps are real time. Simulated time follows from the row numbers, because a simulated arm
+    # skips no cycle.
+    if clock != 1:
         recording = replace(recording, stamp=recording.number * cycle)
     return recording, failure
 

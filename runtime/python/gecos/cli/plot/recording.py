@@ -178,7 +178,9 @@ def _rows(lines: Sequence[str], heads: Sequence[str], path: Path) -> Iterator[li
 
 
 def _number(head: str, cell: str, where: str) -> float:
-    """Only a sample may be missing."""
+    """Returns the number in a cell of the column `head`. An empty cell stands for a lost sample and
+    is returned as NaN; the cells of "number" and "stamp_s" must not be empty. Raises
+    UsageFailure."""
     try:
         value = float(cell) if cell or head in ("number", "stamp_s") else np.nan
     except ValueError:
