@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import socket
+from concurrent.futures import ThreadPoolExecutor
 from hashlib import sha256
 from pathlib import Path
 
 import gecos
 import pytest
 from command_output import Run, valid
+from gecos import key_folder
 from gecos_idl.broker import Broker
 from shelf import Shelf
 
@@ -133,6 +135,33 @@ def test_a_damaged_list_of_revocations_is_an_error_with_its_line(
     assert code == 2
     assert "revoked:1: this line is not a key and its owner; correct it" in err
     assert (folder / f"{KEY}.public").exists(), "the list comes first"
+
+
+@pytest.mark.parametrize("name", ["anna@desk", KEY[:8]])
+def test_a_revocation_that_was_killed_half_way_is_completed_by_the_next_one(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    def killed(_: key_folder.Admitted) -> None:
+        raise InterruptedError
+
+    key_folder.add(Path(received(tmp_path, KEY)), "anna@desk")
+    with monkeypatch.context() as patch:
+        patch.setattr(key_folder, "_unlink", killed)
+        with pytest.raises(InterruptedError):
+            key_folder.revoke(name)
+    assert [one.key for one in key_folder.revoked() if one.key] == [KEY]
+    assert [one.key for one in key_folder.revoke(name)] == [KEY]
+    assert [one.key for one in key_folder.revoked() if one.key] == [KEY]
+    assert key_folder.admitted() == []
+
+
+def test_revocations_at_the_same_time_lose_no_line(folder: Path, tmp_path: Path) -> None:
+    owners = {f"{number:08x}" * 8: f"anna@desk{number}" for number in range(16)}
+    for key, owner in owners.items():
+        key_folder.add(Path(received(tmp_path, key)), owner)
+    with ThreadPoolExecutor(len(owners)) as pool:
+        list(pool.map(key_folder.revoke, owners.values()))
+    assert {one.key for one in key_folder.revoked() if one.key} == set(owners)
 
 
 def test_revoke_of_nobody_says_what_it_takes(folder: Path, run: Run) -> None:

@@ -7,9 +7,12 @@ header to check keys.
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -199,6 +202,12 @@ def remove(name: str) -> Admitted:
     """Ends the admission of a key. `name` is the name of its file, or the beginning of its
     fingerprint. Raises KeyFolderError if no key or several keys have this name, or if it is the
     user's own key."""
+    found = _named(name)
+    _unlink(found)
+    return found
+
+
+def _named(name: str) -> Admitted:
     own = own_key()
     wanted = Path(name).name
     digits = wanted.removesuffix(_SUFFIX).replace(":", "").lower()
@@ -210,7 +219,6 @@ def remove(name: str) -> Admitted:
     if len(found) != 1:
         how_many = "no admitted key has" if not found else f"{len(found)} admitted keys have"
         raise KeyFolderError(f"{name}: {how_many} this name; `gecos keys` lists the admitted keys")
-    _unlink(found[0])
     return found[0]
 
 
@@ -254,17 +262,31 @@ def _pardon(key: str, owner: str) -> None:
     """Removes the lines from the file `revoked` that revoke `key`, the owner `owner`, or the user
     of `owner` on all hosts."""
     owners = {owner, owner.partition("@")[0]} if owner else set()
-    before = revoked()
-    after = [
-        one for one in before if one.key != key and not (one.key == "" and one.owner in owners)
-    ]
-    if after != before:
-        _write_revoked(after)
+    with _alone():
+        before = revoked()
+        after = [
+            one for one in before if one.key != key and not (one.key == "" and one.owner in owners)
+        ]
+        if after != before:
+            _write_revoked(after)
 
 
 def _note_revoked(news: list[Revoked]) -> None:
-    before = revoked()
-    _write_revoked([*(one for one in before if one not in news), *news])
+    with _alone():
+        before = revoked()
+        _write_revoked([*(one for one in before if one not in news), *news])
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """Waits until no other program changes the file `revoked`, and keeps other programs from
+    changing it."""
+    descriptor = os.open(folder(), os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def revocations_of(name: str, gone: list[Admitted]) -> list[Revoked]:
@@ -285,13 +307,10 @@ def revoke(name: str) -> list[Admitted]:
     found = owned_by(name)
     if not found and not re.fullmatch(r"[0-9a-fA-F:]+", name.removesuffix(_SUFFIX)):
         raise KeyFolderError(f"{name}: no admitted key has this owner; `gecos keys` lists them")
-    # For the keys of an owner, the lines are written before the keys are removed. If this program
-    # is killed in between, running it again completes the revocation.
-    if found:
-        _note_revoked(revocations_of(name, found))
+    found = found or [_named(name)]
+    # The lines are written before the keys are removed. If this program is killed in between,
+    # running it again completes the revocation.
+    _note_revoked(revocations_of(name, found))
     for one in found:
         _unlink(one)
-    if not found:
-        found = [remove(name)]
-        _note_revoked(revocations_of(name, found))
     return found
