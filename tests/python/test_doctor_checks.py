@@ -25,8 +25,8 @@ from gecos.cli.doctor.finding import Finding, Level
 from gecos.cli.doctor.keys import Kind, Place, own_key
 
 NO_ROUTE = (
-    "no broker answers; start `gecos up` (a laboratory on this machine) or `gecos broker`, or say "
-    "where it is in GECOS_BROKER or below [broker] in the lab file (tried lcm: "
+    "no broker answers; start `gecos up` (a laboratory on this machine) or `gecos broker`, or give "
+    "the broker's address in GECOS_BROKER or below [broker] in the lab file (tried lcm: "
     "cannot send to 239.255.76.67: Network is unreachable (no multicast route? run as root:  "
     "ip link set lo multicast on && ip route add 239.255.76.67/32 dev lo))"
 )

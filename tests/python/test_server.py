@@ -117,7 +117,8 @@ def test_without_a_broker_create_says_what_was_tried(place: Path) -> None:
         alone.create(Lamp, "LAMP", patience=0.2)
     assert str(caught.value) == (
         "LAMP: NO_SERVER: no broker answers; start `gecos up` (a laboratory on this machine) or "
-        "`gecos broker`, or say where it is in GECOS_BROKER or below [broker] in the lab file "
+        "`gecos broker`, or give the broker's address in GECOS_BROKER or below [broker] in the lab "
+        "file "
         f"(tried shm:{place}/BROKER.sock: no server listens at this address (only servers of uid "
         f"{os.getuid()} are in the directory of this address; use GECOS_BROKER=lcm to reach "
         "programs of other users))"

@@ -430,7 +430,7 @@ def test_a_name_that_the_lab_file_binds_goes_to_its_owner_alone(two: TwoHosts) -
     two.edit(everyone + 'RAIL = "ben"\n')
     broken = refused_at(two, DESK)
     assert "no server may register RAIL while the lab file has an error; correct it, or" in broken
-    assert "or write an empty file to take all its lists back: " in broken
+    assert "or write an empty file, which removes all its lists: " in broken
     assert f"{two.lab_file}:5: names.RAIL: a user and a host are expected" in broken
     two.lab_file.chmod(0o666)
     assert "other users may write to the file" in refused_at(two, DESK), "nobody believes it"

@@ -23,9 +23,9 @@ namespace gecos::session {
 /// another number.
 IncarnationId process_incarnation();
 
-/// Returns whether the number `entry.pid` identifies the server of `entry` for this process,
-/// because the server runs on this machine, with the runtime directory of this process and in its
-/// PID namespace. If not, `entry.pid` may be the number of an unrelated process here.
+/// Returns whether `entry.pid` is the pid of the server of `entry` as this process sees it. This is
+/// so if the server runs on this machine, with the same runtime directory and in the same PID
+/// namespace as this process. Otherwise `entry.pid` may be the pid of an unrelated process here.
 bool sees_process(const Entry& entry);
 
 /// The parts of a Lab that its users do not need.
@@ -51,7 +51,7 @@ tl::expected<std::shared_ptr<ClientSession>, std::string> session_at(const LabOr
 
 class BrokerNews;
 
-/// Waits between two attempts to create a proxy for an object that is not online. A wait ends when
+/// Waits between two attempts to create a proxy while the object is not online. A wait ends when
 /// the broker's list changes, when another broker answers, or after a second, because a server that
 /// did not answer the last attempt may answer the next one.
 class CreateWait {
@@ -108,14 +108,16 @@ class CallCore;
 /// A refusal is written to the audit.
 std::string refusal_to_register(const CallCore& call, const std::string& name);
 
-/// A user as the medium proves it.
+/// The user of a client, as the medium proves this user.
 struct ProvedUser {
   access::UserAtHost who;
-  std::string key{};                ///< 64 hexadecimal digits; empty if the kernel names the user
-  std::optional<std::int32_t> pid;  ///< no value if the kernel does not name it
+  std::string key{};  ///< 64 hexadecimal digits; empty if the kernel names the user
+  /// Pid of the client; no value if the kernel does not name the pid.
+  std::optional<std::int32_t> pid;
 };
 /// Returns the user who issued `call`; no value for the user of the broker and for root on the
-/// broker's host, whose registrations are believed. The broker calls this function.
+/// broker's host. The broker trusts the registrations of these two users. The broker calls this
+/// function.
 std::optional<ProvedUser> other_user_of(const CallCore& call);
 
 /// Returns the user of the client that issued `call` if this client is a visitor; otherwise no

@@ -18,7 +18,7 @@ namespace gecos {
 /// Actor or master status of one object, held by this session. A lease ends when it is released or
 /// lost; its destructor calls `release()`. Move-only.
 ///
-/// A release waits at most one second for the server's reply. Other clients can then acquire the
+/// release() waits at most one second for the server's reply. Other clients can then acquire the
 /// status as soon as the commands issued under this lease have ended. Commands that are issued
 /// later without another lease end as DENIED. A lease logs a warning when it is destroyed while it
 /// is `fresh()`: the program probably did not keep it.
@@ -49,7 +49,7 @@ class [[nodiscard("keep the lease: its destructor releases the status")]] Lease 
 
   std::shared_ptr<session::ClientSession> session_;
   Grant grant_;
-  std::uint64_t held_;    ///< the result of ClientSession::lease_acquired
+  std::uint64_t held_;    ///< the number that ClientSession::lease_acquired returned
   std::uint64_t issued_;  ///< number of calls that the program had issued before the lease
   TimePoint since_;
 };
@@ -105,7 +105,7 @@ Command<void> take_over(const Object& object);
 /// taken over.
 Command<void> give_back(const Object& object);
 /// Returns the requests for a status that wait in line (LeaseOptions::timeout), in the order of
-/// their arrival. The command ends as soon as the id of a request is larger than `after`, at the
+/// their arrival. The command ends as soon as a request with a larger id than `after` waits, at the
 /// latest after `timeout`. A holder can thus be told of a new request: `gecos::requests(*robot,
 /// last, 60s).then(…)`. To grant a request, release the lease: the first in line gets the status
 /// when the last command under the lease has ended.
@@ -147,7 +147,7 @@ Command<std::vector<std::string>> model(const Object& object);
 /// The outcome of a command that has ended, or the present state of a command that has not.
 struct Outcome {
   Detail detail = Detail::OutcomeUnknown;
-  std::string text;  ///< explains `detail`, unless it is Done
+  std::string text;  ///< explains `detail`, unless `detail` is Done
   State state() const { return project(detail); }
 };
 std::ostream& operator<<(std::ostream& out, const Outcome& outcome);

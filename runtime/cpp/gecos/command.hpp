@@ -90,8 +90,8 @@ std::ostream& operator<<(std::ostream& out, const Failure& failure);
 /// members are zero, the command was never sent.
 struct CommandId {
   std::uint64_t incarnation = 0;  ///< incarnation of the server's process
-  std::uint64_t session = 0;      ///< random; a client that knows it may ask for the outcome
-  std::uint64_t counter = 0;      ///< number of the call in the session
+  std::uint64_t session = 0;  ///< a random number; a client that knows it may ask for the outcome
+  std::uint64_t counter = 0;  ///< number of the call in the session
 
   friend bool operator==(const CommandId&, const CommandId&) = default;
 };
@@ -139,12 +139,12 @@ class CommandCore {
   /// ended, the name is empty unless the command failed and no caller had observed the failure.
   virtual std::string about() const { return {}; }
 
-  /// Declares that the program does not need the outcome, and that the outcome does not matter for
-  /// what the program issues later.
+  /// Declares that the program does not need the outcome. A failure of the command then does not
+  /// prevent commands that the program issues later.
   virtual void ignore_outcome() { observe(); }
   /// Must be called when the program has read `seen`, the state or the outcome of the command.
-  /// After the program has seen a failure, the server no longer leaves out later commands because
-  /// of this failure.
+  /// Until the program has seen a failure of a command with @on_new("blend"), later such commands
+  /// are not carried out.
   virtual void note_look(Detail seen) const { static_cast<void>(seen); }
   /// Marks the outcome as observed. A failure of the command is then not logged.
   void observe() { observed_.store(true, std::memory_order_relaxed); }
@@ -278,7 +278,8 @@ class GECOS_KEPT Command : public session::AnyCommand<Feedback> {
 
   /// Calls `callback` with the result of `get()` once the command is terminal: immediately when it
   /// is terminal already, else on the lab's callback thread, one callback after another. A callback
-  /// may block and issue commands. With the callback, the program has seen how the command ended.
+  /// may block and issue commands. When the callback is called, the command counts as observed: the
+  /// program has seen how the command ended.
   template <class Callback>
   void then(Callback callback) const {
     this->call_once_ended(*this, std::move(callback));

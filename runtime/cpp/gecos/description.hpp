@@ -66,8 +66,8 @@ struct StreamDescription {
   double rate_hz = 0;
   std::size_t largest = 0;  ///< bytes of the largest sample; 0: unbounded, up to 64 KiB are sent
   bool bulk = false;   ///< samples have a @bulk sequence of octets, which can be written in place
-  bool event = false;  ///< each sample is an occurrence: readers start after their subscription
-  std::uint64_t hash = 0;  ///< of an event; the hash of a stream is that of the operation
+  bool event = false;  ///< each sample is an occurrence; a reader gets those after its subscription
+  std::uint64_t hash = 0;  ///< hash of an event; a stream has the hash of its getter
   /// The LCM fingerprint of the samples of an @open_stream; nullopt for other streams.
   std::optional<std::uint64_t> open_fingerprint{};
   qos::Quality quality{};
@@ -81,12 +81,13 @@ struct InwardDescription {
   access::Status status = access::Status::Actor;  ///< the status that a sender needs
   bool presence = true;                           ///< needs a person in the laboratory
   double rate_hz = 0;
-  Duration watchdog{};  ///< samples that are older when they are read have no effect; 0: no limit
+  Duration watchdog{};      ///< a sample that is older when it is read has no effect; 0: no limit
   std::size_t largest = 0;  ///< bytes of the largest sample; 0: unbounded, up to 64 KiB are sent
   qos::Quality quality{};
 };
 
-/// The time stamp of a sample that is measured at the moment of its publication.
+/// Stands for the time stamp of a sample that is measured at the moment at which it is published or
+/// sent.
 inline constexpr std::int64_t measured_now = std::numeric_limits<std::int64_t>::min();
 
 struct InterfaceDescription {

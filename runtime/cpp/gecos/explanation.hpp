@@ -15,8 +15,8 @@ struct UnsuitedMember {
   FunctionCode code{};
   std::string name;  ///< "move", "tool"; "tool=" for a setter
   std::vector<qos::Violation> violations;
-  /// `violations` are those of the samples of a stream. If its getter is refused, too, the getter
-  /// has an entry of its own.
+  /// True if `violations` concern only the samples of a stream and not its getter. If the getter is
+  /// refused, too, the getter has an entry of its own.
   bool samples_only = false;
 };
 

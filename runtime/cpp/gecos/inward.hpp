@@ -39,14 +39,14 @@ namespace session {
 
 class CallCore;
 
-/// Says what happens to samples that feed no command, while no command takes samples: the stream
-/// takes these samples, or refuses them.
+/// Says what a stream does with samples that feed no command. It takes them while no command takes
+/// samples, or it always refuses them.
 enum class Unfed : std::uint8_t { Taken, Refused };
 
 /// An admitted sample before it is decoded. Its memory is reused for the next sample.
 struct RawInward {
   media::StreamSample sample;
-  ByteView value;  ///< in `sample.bytes`
+  ByteView value;  ///< the encoded value, a part of `sample.bytes`
   Duration age{};
   std::uint64_t session = 0;
   std::uint64_t command = 0;
@@ -156,8 +156,8 @@ class Inward {
   }
 
  private:
-  /// The most samples that one call of next() or newest() reads. Without this limit, a client that
-  /// floods the stream would keep the servant in the call.
+  /// The maximum number of samples that one call of next() or newest() reads. Without this limit, a
+  /// client that floods the stream would keep the servant in the call.
   static constexpr int most_looks = 1024;
 
   std::optional<InwardSample<T>> next_within(int& looks) {

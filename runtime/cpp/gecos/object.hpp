@@ -31,7 +31,7 @@ struct LineState {
   std::string medium;
   Duration bound{};  ///< the longest round trip that the interface allows; 0: no bound, and nothing
                      ///< is measured
-  std::optional<Duration> round_trip{};  ///< as measured last
+  std::optional<Duration> round_trip{};  ///< the round trip that was measured last
   bool degraded = false;                 ///< the round trip has exceeded the bound for a second
   /// The number of changes of the state. The state changes when `degraded` changes, and when a
   /// failover has succeeded or failed.
@@ -39,7 +39,9 @@ struct LineState {
   /// The medium that the proxy has left, if the last change was a failover. The proxy now uses
   /// `medium`.
   std::string moved_from{};
-  std::string why{};  ///< what the last change was, and why, for people; empty before the first
+  /// A text for people that says what the last change of the state was, and why; empty before the
+  /// first change.
+  std::string why{};
 };
 
 namespace session {
@@ -95,8 +97,8 @@ class ClientSession {
 /// CONNECTION_FAILED/NO_SERVER.
 const std::shared_ptr<ClientSession>& nil_session();
 
-/// Returns a session for a proxy whose lab was closed. It behaves like `nil_session`, but keeps the
-/// names of `was`, the previous session of the proxy.
+/// Returns a session for a proxy whose lab was closed. It behaves like `nil_session`, but returns
+/// the object name and the interface name of `was`, the previous session of the proxy.
 std::shared_ptr<ClientSession> closed_session(const ClientSession& was);
 
 /// Returns a command that has ended with `failure`, without being sent.
@@ -107,8 +109,9 @@ std::shared_ptr<CommandCore> ended(Failure failure);
 class Refused {
  public:
   explicit Refused(std::string why);
-  /// Used for operations with @on_new("blend"): a call with invalid parameters makes `session`
-  /// leave out the commands with @on_new("blend") that are called later.
+  /// Used for operations with @on_new("blend"): after a call with invalid parameters, `session`
+  /// refuses all later commands with @on_new("blend") until the program has seen the failure of
+  /// this call.
   Refused(std::string why, ClientSession& session, const OperationDescription& operation);
   /// Returns how many calls this process has refused before they were sent.
   static std::uint64_t count();

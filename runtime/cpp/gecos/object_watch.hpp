@@ -19,8 +19,8 @@ tl::expected<std::vector<Entry>, std::string> find_objects(
     const Lab& lab, std::string_view interface_name = {},
     Duration patience = std::chrono::seconds(2));
 
-/// Reports which objects come online, fall silent and go. Reports each change once, even if the
-/// broker is restarted meanwhile. Not thread-safe.
+/// Reports which objects come online, which fall silent, and which are gone. Reports each change
+/// once, even if the broker is restarted meanwhile. Not thread-safe.
 class ObjectWatch {
  public:
   /// Watches the objects that have the interface `interface_name` or an interface derived from it;

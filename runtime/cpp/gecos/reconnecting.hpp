@@ -20,8 +20,9 @@ struct ReconnectOptions {
   Duration silence = std::chrono::seconds(1);
 };
 
-/// A proxy that is created at its first use, and created again after its server was lost. The
-/// object need not be online yet. Thread-safe; `lab` must outlive this object.
+/// A proxy that is created at its first use, and created again after its server was lost. A
+/// Reconnecting may be constructed before its object is online. Thread-safe; `lab` must outlive
+/// this object.
 template <class Proxy>
 class Reconnecting {
  public:
@@ -45,8 +46,8 @@ class Reconnecting {
   }
 
   /// Returns the result of `call`, which issues a command through the given proxy and waits for it.
-  /// Drops the proxy when the server was lost. When the command certainly did not start
-  /// (CONNECTION_FAILED), repeats `call` once, through a new proxy.
+  /// Drops the proxy when the server was lost, so that the next `get` creates a new one. When the
+  /// command certainly did not start (CONNECTION_FAILED), repeats `call` once, through a new proxy.
   template <class Call>
   std::invoke_result_t<Call&, const Proxy&> call(Call call) {
     auto result = call_once(call);
@@ -166,7 +167,8 @@ class ReconnectingStream {
   std::optional<Proxy> proxy_ GECOS_GUARDED_BY(mutex_);
   std::string problem_ GECOS_GUARDED_BY(mutex_);
   TimePoint next_try_ GECOS_GUARDED_BY(mutex_){};
-  TimePoint since_ GECOS_GUARDED_BY(mutex_){};  // when an attempt to open the stream last ended
+  /// The time at which the last attempt to open the stream ended.
+  TimePoint since_ GECOS_GUARDED_BY(mutex_){};
 };
 
 }  // namespace gecos

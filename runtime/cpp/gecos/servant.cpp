@@ -62,8 +62,9 @@ bool PublisherSlot::claim(std::shared_ptr<Publisher> publisher) {
 
 tl::expected<LentMemory, std::string> Publisher::lend(const StreamDescription& stream,
                                                       std::size_t size) {
-  return tl::unexpected(std::string(stream.name) + ": this publisher lends no " +
-                        std::to_string(size) + " bytes");
+  return tl::unexpected(std::string(stream.name) +
+                        ": this publisher lends no memory for samples, but " +
+                        std::to_string(size) + " bytes were requested");
 }
 
 bool Publisher::publish_lent(const StreamDescription& /*stream*/, const LentMemory& /*memory*/,

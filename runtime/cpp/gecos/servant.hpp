@@ -110,10 +110,10 @@ class CallCore {
   virtual bool wait_interrupted_until(TimePoint deadline) = 0;
   /// Must be called directly before the handler runs. Returns false when the handler must not run.
   virtual bool begin() { return true; }
-  /// Returns when the server marked this call as started; nullopt before that.
+  /// Returns the time at which the server marked this call as started; nullopt before that.
   virtual std::optional<TimePoint> marked_at() const { return std::nullopt; }
   virtual void progress(double fraction, ByteView feedback) = 0;
-  /// Lets the next command with @on_new("blend") start, see Execution::let_next.
+  /// Lets the next command with @on_new("blend") start; see Execution::let_next.
   virtual void let_next() {}
   /// Only the first call of `finish` or `fail` has an effect.
   virtual void finish(ByteView result) = 0;
@@ -149,10 +149,10 @@ class IncomingCall {
   /// the call has ended while it was queued, or when its caller has withdrawn it. Then destroy the
   /// call without an answer.
   [[nodiscard]] bool begin() { return core_->begin(); }
-  /// Returns when the server marked this call as started, which is directly before the handler
-  /// begins. The moment is read from CLOCK_BOOTTIME (Clock::since_boot) and is at most one kernel
-  /// tick (10 ms) too early. If the servant calls begin() itself, the result is nullopt before
-  /// begin().
+  /// Returns the time at which the server marked this call as started, which is directly before the
+  /// handler begins. The time is read from CLOCK_BOOTTIME (Clock::since_boot) and is at most one
+  /// kernel tick (10 ms) too early. If the servant calls begin() itself, the result is nullopt
+  /// before begin().
   std::optional<TimePoint> marked_at() const { return core_->marked_at(); }
 
   void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }
@@ -237,8 +237,9 @@ class Execution {
   }
   /// For an operation with @on_new("blend"): lets the next command start while this command still
   /// runs, if the operation of the next command has @on_new("blend") too. The next command waits
-  /// for this call. The handlers therefore begin in the order of their commands, and each handler
-  /// decides when the next one may begin. Has no effect for other operations.
+  /// until the handler of this command calls let_next(). The handlers therefore begin in the order
+  /// of their commands, and each handler decides when the next one may begin. Has no effect for
+  /// other operations.
   void let_next() { call_.let_next(); }
   const Caller& caller() const { return call_.caller(); }
   /// Returns the number of the command in its caller's session.
@@ -383,11 +384,11 @@ class Servant {
     gecos_publish(
         outward, 4 + size, [&](wire::Encoder& to) { wire::put_block(to, value, size); }, stamp_ns);
   }
-  /// The size of a sample that is written in place, in bytes and in elements of its @bulk sequence.
+  /// The size of a sample whose @bulk sequence is written in place.
   struct LentSize {
-    std::size_t bytes = 0;   ///< of the whole encoded sample
-    std::size_t octets = 0;  ///< of the @bulk sequence
-    std::size_t most = 0;    ///< bound of the @bulk sequence
+    std::size_t bytes = 0;   ///< size of the whole encoded sample
+    std::size_t octets = 0;  ///< number of elements of the @bulk sequence
+    std::size_t most = 0;    ///< largest number of elements that the interface allows there
   };
   /// For generated skeletons and bindings: lends the memory of a sample. `encode` writes all
   /// members, with put_bulk() for the @bulk sequence. On failure, returns the reason. Returns an

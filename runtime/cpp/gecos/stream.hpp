@@ -48,7 +48,7 @@ struct Sample {
 template <class T>
 struct SampleInPlace {
   T value{};
-  std::span<const std::uint8_t> octets{};  ///< of the @bulk sequence; empty if T has none
+  std::span<const std::uint8_t> octets{};  ///< elements of the @bulk sequence; empty if T has none
   std::uint64_t sequence = 0;              ///< the following members are as in Sample
   std::uint64_t lost = 0;
   double stamp = 0;
@@ -64,7 +64,7 @@ enum class StreamEnd : std::uint8_t {
   Lost,     ///< the stream is lost(), and all samples that had arrived were read
   Late,  ///< no sample came within `@qos(deadline=…)`. Returned once for each such silence; the
          ///< stream continues
-  Revoked,  ///< as Lost: the server ended the session, because it no longer admits this user
+  Revoked,  ///< lost, because the server no longer admits this user and has ended the session
 };
 std::string_view to_string(StreamEnd end);
 std::ostream& operator<<(std::ostream& out, StreamEnd end);
@@ -80,7 +80,7 @@ struct RawSample : media::StreamSample {
 
 /// A sample in the memory of its medium.
 struct RawLent : media::LentSample {
-  TimePoint measured{};  ///< as in RawSample
+  TimePoint measured{};  ///< as RawSample::measured
   Duration age{};
 };
 
@@ -114,12 +114,14 @@ class StreamCore {
   virtual bool alive() const = 0;
 };
 
-/// How far a reader has read a stream, in place or by copies. Only one thread may use it at a time.
+/// Records how far a reader has read a stream, in place or by copies. Only one thread may use it at
+/// a time.
 class ReadPosition {
  public:
   explicit ReadPosition(std::uint64_t after) { sample_.sequence = after; }
 
-  /// These functions read a sample into sample(). Their results are those of StreamCore.
+  /// These functions read a sample into sample(). They return what the functions of StreamCore with
+  /// the same names return.
   bool latest(StreamCore& stream);
   tl::expected<void, StreamEnd> next(StreamCore& stream, TimePoint deadline);
   /// These functions read a sample into `into`, in place.
@@ -131,7 +133,8 @@ class ReadPosition {
 
  private:
   RawSample sample_;
-  bool copied_ = true;  ///< false if `sample_` has only the number of the sample that was read last
+  /// False if `sample_` has only the number, and not the value, of the sample that was read last.
+  bool copied_ = true;
 };
 
 }  // namespace session

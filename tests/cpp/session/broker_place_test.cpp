@@ -45,7 +45,8 @@ class BrokerPlace : public ::testing::Test {
   const std::string file = directory.path() + "/lab.toml";
   const std::string no_broker =
       "PROBE: NO_SERVER: no broker answers; start `gecos up` (a laboratory on this machine) or "
-      "`gecos broker`, or say where it is in GECOS_BROKER or below [broker] in the lab file "
+      "`gecos broker`, or give the broker's address in GECOS_BROKER or below [broker] in the lab "
+      "file "
       "(tried ";
   const std::string unusable =
       "PROBE: NO_SERVER: the lab file, which may name the broker, cannot be used: " + file;

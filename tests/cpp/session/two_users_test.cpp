@@ -311,7 +311,7 @@ TEST_F(TwoUsersOfOneHost, ABrokenEditChangesNothingAndIsReportedOnceWithItsLine)
     ++reports;
   }
   EXPECT_EQ(reports, 2u) << "the broker and the server of PROBE report it once each:\n" << logged;
-  EXPECT_NE(logged.find("or write an empty one to take all its lists back"), std::string::npos);
+  EXPECT_NE(logged.find("or write an empty one, which removes all its lists"), std::string::npos);
 }
 
 TEST_F(TwoUsersOfOneHost, AServerThatAdmitsWhoCannotReachItOverShmSaysSoOnceAndItsClientsAreTold) {

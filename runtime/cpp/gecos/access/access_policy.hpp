@@ -28,8 +28,8 @@ inline constexpr std::string_view everyone = "*";
 /// The longest name of a user or of a host in a list, and of an object, in bytes.
 inline constexpr std::size_t longest_name = 256;
 
-/// Returns why a user, a host or an object cannot have the name `name`, as the rest of a sentence
-/// that begins with "a name"; an empty text if the name is valid.
+/// Returns why a user, a host or an object cannot have the name `name`, for example "is empty"; an
+/// empty text if the name is valid. The text continues a sentence that begins with "a name".
 /// @pre `name` is UTF-8
 std::string_view fault_of_name(std::string_view name);
 
@@ -54,13 +54,15 @@ using SourceOwners = std::map<std::string, NameOwner>;
 /// The rules of a lab file: which users may connect to objects, which users may serve objects, in
 /// which zone an object is, and whether samples may be sent in clear.
 struct LabAccess {
-  std::string file;                            ///< for messages; "" if there is no lab file
-  std::optional<AllowList> general{};          ///< for the objects that have no list of their own
-  std::map<std::string, AllowList> objects{};  ///< by the name of the object, in place of `general`
+  std::string file;                    ///< path, for messages; "" if there is no lab file
+  std::optional<AllowList> general{};  ///< the list for the objects that have no list of their own
+  /// The own lists of objects, by the name of the object.
+  std::map<std::string, AllowList> objects{};
   std::optional<AllowList> admin{};            ///< who may end the status of other users
-  std::map<std::string, NameOwner> names{};    ///< by the name of the object
+  std::map<std::string, NameOwner> names{};    ///< the owner of each bound name, by this name
   std::map<std::string, std::string> zones{};  ///< the zone of each object that is in one
-  std::map<std::string, SourceOwners> sources{};  ///< by the name of the zone
+  /// The owners of the sources of each zone, by the name of the zone.
+  std::map<std::string, SourceOwners> sources{};
   /// Where the file forbids to send the samples of an @open_stream in clear, for messages, for
   /// example "[streams] in /etc/gecos/lab.toml:3"; "" if it does not forbid this.
   std::string forbids_open_streams{};
@@ -78,7 +80,7 @@ enum class AccessRule {
 
 struct NameDecision {
   bool allowed = true;
-  std::string text;  ///< a sentence, as in AccessDecision
+  std::string text;  ///< a sentence for people, in the form of AccessDecision::text
 };
 
 struct AccessDecision {
@@ -99,7 +101,7 @@ NameDecision may_register(const LabAccess& lab, const std::string& name,
 struct Reporter {
   /// The user and the host of the program; no value if nothing proves them.
   std::optional<UserAtHost> who{};
-  bool own = false;  ///< the program is of the user of the zone's server, or of root on its host
+  bool own = false;  ///< the user of the zone's server, or root on its host, runs the program
 };
 
 /// Decides whether `reporter` may report for `source` of `zone`. If the lab file binds the source,
@@ -125,7 +127,7 @@ AllowList whom_both_admit(const AllowList& one, const AllowList& other);
 /// Everyone whom any list of the lab file admits to an object may also connect to the broker,
 /// unless the file has a list for the broker itself.
 struct AccessPolicy {
-  std::optional<AllowList> program{};  ///< given to `Server::allow`
+  std::optional<AllowList> program{};  ///< the list that was given to `Server::allow`
   LabAccess lab{};
   /// If true, every user on every host may connect: the list of the program and the list of the lab
   /// file do not count. The administrators, the names, the zones and the sources of zones in the

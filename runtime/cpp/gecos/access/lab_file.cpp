@@ -64,7 +64,7 @@ class LabFileReader {
 
   LabAccess read(const toml::table& root) const {
     LabAccess lab{.file = file_};
-    broker(root);  // only for its errors
+    broker(root);  // called only because it throws the errors in [broker]
     if (const auto* clock = find(root, "clock", "clock")) {
       admit_only(*clock, "clock.", clock_keys);
     }
@@ -94,7 +94,7 @@ class LabFileReader {
   }
 
   LabBroker broker(const toml::table& root) const {
-    admit_only(root, "", known_tables);  // an unknown table may be [broker], written wrongly
+    admit_only(root, "", known_tables);  // an unknown table may be a misspelt [broker]
     const auto* const table = find(root, "broker", "broker");
     if (table == nullptr) return {};
     admit_only(*table, "broker.", broker_keys);

@@ -29,7 +29,8 @@ tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
 /// The address of a laboratory's broker, as the table [broker] of a lab file states it.
 struct LabBroker {
   std::string address{};  ///< for example "lcm"; empty: the broker is on the host of the program
-  std::string place{};    ///< of the address, for messages: "[broker] in /etc/gecos/lab.toml:4"
+  /// Where the address is written, for messages: "[broker] in /etc/gecos/lab.toml:4".
+  std::string place{};
 };
 
 /// Returns what the text of a lab file says about the broker. Fails if [broker] has an error, if a
@@ -56,12 +57,13 @@ class EditedLabFile {
   const LabAccess& lists() const { return lists_; }
   /// Returns whether take() has ever got a valid text.
   bool known() const { return known_; }
-  /// Returns the error of the last call of take(); nullopt if its text was valid.
+  /// Returns the error in what the last call of take() got; nullopt if that was a valid text.
   const std::optional<LabFileError>& error() const { return error_; }
 
  private:
-  std::optional<std::string> taken_{};  ///< the last text, or the error as a text
-  bool readable_ = false;               ///< whether `taken_` is a text
+  /// What take() got last: the text of the file, or the error as a text.
+  std::optional<std::string> taken_{};
+  bool readable_ = false;  ///< whether `taken_` is the text of the file
   bool known_ = false;
   std::optional<LabFileError> error_{};
   LabAccess lists_;

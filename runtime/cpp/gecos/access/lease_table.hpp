@@ -29,8 +29,9 @@ struct Holder {
   Status status = Status::Actor;
   Client client;
   TimePoint since{};
-  TimePoint expires{};      ///< when the holder loses the status if it stays silent; unused while
-                            ///< releasing
+  /// The time at which the holder loses the status unless it is heard before. Unused while
+  /// `releasing`.
+  TimePoint expires{};
   bool releasing = false;   ///< the status was released, but the last commands under it still run
   bool taken_over = false;  ///< this holder has taken over: the commands of the others are refused
   TimePoint taken_over_since{};  ///< used while `taken_over`
@@ -89,7 +90,7 @@ class LeaseTable {
 
   /// Grants actor or master status to `session`. A session that has a status already keeps it, or
   /// gets `wanted` if `wanted` is higher. A session must release a status as often as it acquired
-  /// the status. Another session joins the holders with the password of the first holder. @pre
+  /// the status. A session that gives the password of the first holder joins the holders. @pre
   /// `wanted` is not Sensor, which needs no lease.
   tl::expected<Grant, LeaseRefusal> acquire(SessionId session, const Client& client, Status wanted,
                                             const Proof& password, TimePoint now);
@@ -132,7 +133,7 @@ class LeaseTable {
   /// taken over.
   bool give_back(SessionId session);
 
-  /// Forgets how `session` lost its status. Must be called when no further call of the session can
+  /// Forgets why `session` lost its status. Must be called when no further call of the session can
   /// arrive.
   void forget(SessionId session);
 
@@ -156,9 +157,13 @@ class LeaseTable {
   struct Member {
     Holder holder;
     std::uint32_t claims = 1;  ///< how many acquisitions are not released yet
-    Epoch first{};  ///< the epoch under which it acquired the status, or that its own stop began
-    Epoch fence{};  ///< commands that it issued under older epochs were preempted; at least `first`
-    std::string preempted_by{};  ///< the client that preempted them
+    /// The epoch under which this holder acquired the status, or the epoch that began when this
+    /// holder stopped the object.
+    Epoch first{};
+    /// The commands that this holder issued under an epoch before this one were preempted. At least
+    /// `first`.
+    Epoch fence{};
+    std::string preempted_by{};  ///< the client whose take-over preempted those commands
     TimePoint preempted_at{};
   };
   /// A std::map, because every command looks up its session here: with few holders, comparing keys
@@ -166,8 +171,8 @@ class LeaseTable {
   using Members = std::map<SessionId, Member>;
   /// The reason why a session lost its last status: its silence, or a stop.
   struct Loss {
-    Epoch first;  ///< the epochs in which it held the status
-    Epoch last;
+    Epoch first;  ///< the first epoch in which the session held the status
+    Epoch last;   ///< the last epoch in which the session held the status
     Denial::Reason reason = Denial::Reason::LeaseEnded;
     std::string why;
   };

@@ -10,10 +10,10 @@
 namespace gecos::access {
 
 /// Records what an object knows about the presence of a person in its zone. A report of the zone
-/// counts for 1 s; without a report, the person counts as absent. After a loss, presence counts
-/// again only when the time `settling` has passed. By then, every command that was issued before
-/// the loss has been refused, so the return of presence resumes no command. A further loss during
-/// `settling` begins `settling` again.
+/// counts for 1 s; without a report, the person counts as absent. After presence was lost, it
+/// counts again only when the time `settling` has passed. By then, every command that was issued
+/// before the loss has been refused, so the return of presence resumes no command. A further loss
+/// during `settling` begins `settling` again.
 ///
 /// Pure: the caller passes the time, CLOCK_BOOTTIME, which also counts while the machine is
 /// suspended. Any thread may call present() and present_since(); for all other functions, the
@@ -21,8 +21,8 @@ namespace gecos::access {
 class ObjectPresence {
  public:
   static constexpr Duration report_life = std::chrono::seconds(1);
-  /// This time must be longer than 750 ms, which is the longest time for which a command may stay
-  /// unread in the transport.
+  /// The time from a loss of presence to the moment at which presence may count again. It must be
+  /// longer than 750 ms, the longest time for which a command may stay unread in the transport.
   static constexpr Duration settling = std::chrono::seconds(1);
 
   /// `zone`: the name of the object's zone; empty for an object in no zone, which never needs a
@@ -36,11 +36,13 @@ class ObjectPresence {
   /// A report of the zone.
   struct Report {
     bool present = false;
-    std::uint64_t spell = 0;  ///< number of the present time of presence, or else of the last one
-    std::string why;          ///< a text for people
+    /// The number of the current spell, an uninterrupted time of presence; the number of the last
+    /// spell if nobody is present.
+    std::uint64_t spell = 0;
+    std::string why;  ///< a text for people: who is present, or why nobody is, and what to do
   };
-  // take(), on_tick(), forget() and enter() return true when presence counted before and counts no
-  // longer. The commands that need presence must then end.
+  // take(), on_tick(), forget() and enter() return true when presence counted before the call and
+  // does not count after it. The caller must then end the commands that need presence.
 
   /// Takes a report that the zone made at `made`. If `made` is later than `now`, the report counts
   /// as made at `now`.
@@ -72,14 +74,14 @@ class ObjectPresence {
   bool lose(TimePoint now);
 
   std::string zone_;
-  Told told_ = Told::Nothing;  ///< by the last report, unless it was forgotten
-  TimePoint told_until_{};     ///< until when the last report is believed
+  Told told_ = Told::Nothing;  ///< what the last report said; Nothing if it was forgotten
+  TimePoint told_until_{};     ///< the time until which the last report counts
   std::uint64_t spell_ = 0;
   std::string why_ = unheard;
   bool counts_ = false;                             ///< presence counts, unless until_ has passed
-  TimePoint not_before_ = TimePoint::min();         ///< presence does not count before
-  std::atomic<TimePoint> since_{TimePoint::min()};  ///< since when presence counts
-  std::atomic<TimePoint> until_;  ///< until when presence counts; publishes since_
+  TimePoint not_before_ = TimePoint::min();         ///< before this time, presence does not count
+  std::atomic<TimePoint> since_{TimePoint::min()};  ///< the time since which presence counts
+  std::atomic<TimePoint> until_;  ///< the time until which presence counts; publishes since_
 };
 
 }  // namespace gecos::access

@@ -30,9 +30,9 @@ class Proof {
   Bytes bytes_;
 };
 
-/// Returns a proof that consists of the password itself. For such a proof, the runtime derives a
-/// key from the password (crypto/password.hpp), and a LeaseTable compares proofs that consist of
-/// these keys.
+/// Returns a proof that consists of the password itself. Before a LeaseTable compares the proof,
+/// the runtime replaces it by a proof that consists of a key derived from the password
+/// (crypto/password.hpp).
 Proof plain_proof(std::string_view password);
 
 }  // namespace gecos::access

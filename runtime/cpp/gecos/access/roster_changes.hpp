@@ -15,16 +15,17 @@ namespace gecos::access {
 /// One change of the holders of an object.
 struct RosterChange {
   enum class Kind : std::uint8_t {
-    Acquired,   ///< a client has the status, a higher status, or has acquired it again while it
-                ///< was releasing it
+    /// A client has acquired the status or a higher one. Or it has acquired the status again before
+    /// its release of the status was complete.
+    Acquired,
     Releasing,  ///< the status was released, but the last commands under it still run
     TakenOver,
     GivenBack,
     Ended,
   };
-  std::uint64_t number = 0;  ///< one more than that of the change before
+  std::uint64_t number = 0;  ///< one more than the number of the previous change
   Kind kind = Kind::Acquired;
-  Holder holder;  ///< after the change; before it when the status ended
+  Holder holder;  ///< as it was after the change; if the status ended, as it was before
   TimePoint at{};
   std::string why{};  ///< why the status ended; empty for other kinds
 };
@@ -60,7 +61,7 @@ class RosterChanges {
 
   const std::uint64_t start_;
   std::uint64_t count_ = 0;
-  std::vector<Holder> roster_;  ///< as it was last noted
+  std::vector<Holder> roster_;  ///< the holders at the last call of note()
   std::deque<RosterChange> changes_;
 };
 

@@ -5,7 +5,7 @@
 
 namespace gecos::access {
 
-/// The rights of a client at an object; each status includes the ones before it.
+/// The rights of a client at an object. Each status includes the rights of the statuses before it.
 enum class Status : std::uint8_t {
   Sensor,  ///< may read; every client has this status
   Actor,   ///< may also move and change; held by one client, or by several that share a password

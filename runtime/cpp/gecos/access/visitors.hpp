@@ -26,8 +26,8 @@ inline constexpr std::size_t most_admitted_names = 256;
 struct ServerLife {
   UserAtHost user;
   std::uint64_t boot = 0;  ///< differs after each restart of the server
-  bool own = false;        ///< the server is of the user of the broker, or of root
-  std::string key{};       ///< that `user` has proved; empty if the kernel names the user
+  bool own = false;        ///< the user of the broker, or root, runs the server
+  std::string key{};       ///< the key that `user` has proved; empty if the kernel names the user
   friend bool operator==(const ServerLife&, const ServerLife&) = default;
 };
 
@@ -35,7 +35,8 @@ struct ServerLife {
 /// broker.
 struct ProgramList {
   ServerLife server;
-  std::uint64_t number = 0;  ///< of this list; a later list of the same life has a greater number
+  /// The number of this list; a later list of the same server process has a greater number.
+  std::uint64_t number = 0;
   AllowList list;
 };
 
@@ -60,7 +61,7 @@ class VisitorBook {
   /// Drops the visitor list of each object for whose name `keeps_name` returns false. Returns
   /// whether a list was dropped.
   bool keep_only(FunctionRef<bool(const std::string& name)> keeps_name);
-  /// Returns whether a list names a user or a host.
+  /// Returns whether at least one of the lists names a user or a host.
   bool names_somebody() const;
 
   /// Returns an object whose list makes `who` a visitor; no value if there is none. Ignores the
@@ -93,8 +94,8 @@ class VisitorBook {
  private:
   struct Listed {
     ProgramList program;
-    std::uint64_t change = 0;    ///< the number of the change of the book that set it
-    std::uint64_t revision = 0;  ///< the broker's last change at that moment
+    std::uint64_t change = 0;    ///< the number of the change of this VisitorBook that set the list
+    std::uint64_t revision = 0;  ///< the number of the broker's last change when the list was set
   };
   bool admits(const ProgramList& one, const UserAtHost& who) const GECOS_REQUIRES(mutex_);
   bool names_somebody_now() const GECOS_REQUIRES(mutex_);
@@ -103,7 +104,8 @@ class VisitorBook {
   void forget_revoked_if_unused() GECOS_REQUIRES(mutex_);
 
   mutable Mutex mutex_;
-  std::map<std::string, Listed> lists_ GECOS_GUARDED_BY(mutex_);  ///< by the name of the object
+  /// The list of each object, by the name of the object.
+  std::map<std::string, Listed> lists_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t changes_ GECOS_GUARDED_BY(mutex_) = 0;
   std::vector<RevokedUser> revoked_ GECOS_GUARDED_BY(mutex_);
   bool knows_revoked_ GECOS_GUARDED_BY(mutex_) = false;

@@ -37,7 +37,9 @@ class Zone {
   /// Whether a person is present.
   struct Verdict {
     bool present = false;
-    std::uint64_t spell = 0;  ///< number of the present spell, or else of the last spell
+    /// The number of the current spell, an uninterrupted time of presence; the number of the last
+    /// spell if nobody is present.
+    std::uint64_t spell = 0;
     std::string why;  ///< a text for people: who is present; or why nobody is, and what to do
     friend bool operator==(const Verdict&, const Verdict&) = default;
   };
@@ -73,11 +75,11 @@ class Zone {
   std::optional<std::string> too_many_wrong(TimePoint now);
 
   const std::string name_;
-  std::map<std::string, TimePoint> buttons_;  ///< until when each counts as held
-  std::map<std::string, TimePoint> doors_;    ///< until when each counts as closed
-  std::map<std::string, TimePoint> people_;   ///< until when each is checked in
+  std::map<std::string, TimePoint> buttons_;  ///< the time until which each button counts as held
+  std::map<std::string, TimePoint> doors_;    ///< the time until which each door counts as closed
+  std::map<std::string, TimePoint> people_;   ///< the time until which each person is checked in
   std::optional<Code> code_;
-  std::vector<TimePoint> wrong_;  ///< when wrong codes were given, oldest first
+  std::vector<TimePoint> wrong_;  ///< the times at which wrong codes were given, oldest first
   bool present_ = false;
   std::uint64_t spell_;
 };

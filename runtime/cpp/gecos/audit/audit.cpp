@@ -31,13 +31,13 @@ struct Audit::Shared {
   Journal journal;  ///< used by the thread only
   std::uint64_t unwritten =
       0;                 ///< lines that were lost and not yet counted; used by the thread only
-  bool failing = false;  ///< the log has said so; used by the thread only
+  bool failing = false;  ///< the last write failed, which was logged; used by the thread only
 
   FutexMutex mutex;
   Batch waiting GECOS_GUARDED_BY(mutex);
-  std::atomic<bool> any{false};         // a hint: `waiting` has something; orders no other memory
-  std::atomic<std::uint32_t> rings{0};  // the thread sleeps until it changes
-  std::atomic<bool> shutting_down{false};  // publishes nothing but itself
+  std::atomic<bool> any{false};  // a hint that `waiting` is not empty; orders no other memory
+  std::atomic<std::uint32_t> rings{0};     // the thread sleeps until this number changes
+  std::atomic<bool> shutting_down{false};  // orders no other memory
 
   Mutex end_mutex;
   ConditionVariable ended_changed;

@@ -36,7 +36,8 @@ class Audit {
   struct Shared;
   void start();
 
-  const std::shared_ptr<Shared> shared_;  ///< with the thread, which may outlive this object
+  /// Shared with the writing thread, which may outlive this object.
+  const std::shared_ptr<Shared> shared_;
 };
 
 }  // namespace gecos::audit

@@ -18,8 +18,8 @@ class Journal {
  public:
   struct Limits {
     std::size_t bytes = std::size_t{16}
-                        << 20;  ///< when a file is as large as this, a new one begins
-    unsigned files = 4;         ///< the oldest one is removed
+                        << 20;  ///< a file of this size is full, and a new one begins
+    unsigned files = 4;         ///< the maximum number of files; the oldest one is removed
   };
   /// The folder and its missing parents are created when the first line is appended.
   explicit Journal(std::string folder) : Journal(std::move(folder), Limits()) {}
@@ -41,7 +41,7 @@ class Journal {
   const std::string folder_;
   const Limits limits_;
   Descriptor file_;
-  bool torn_ = false;  ///< the last line in the file may have no end
+  bool torn_ = false;  ///< the last line in the file may be incomplete
 };
 
 }  // namespace gecos::audit

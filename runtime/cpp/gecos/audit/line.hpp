@@ -15,7 +15,7 @@ namespace gecos::audit {
 /// visitor, `session` is a hash of the user, the object and the reason, and `counter` is the
 /// running number of these refusals at the server or at the object.
 struct RequestId {
-  std::uint64_t incarnation = 0;  ///< of the server's process
+  std::uint64_t incarnation = 0;  ///< incarnation of the server's process
   std::uint64_t session = 0;
   std::uint64_t counter = 0;  ///< 0: the line is about no request
 };
@@ -36,10 +36,10 @@ struct Line {
   std::string user{};
   std::string host{};
   std::string program{};
-  std::int32_t pid = 0;  ///< of the client
+  std::int32_t pid = 0;  ///< pid of the client
   std::string medium{};
   std::uint64_t count = 0;  ///< how many events the line stands for, if it stands for several
-  std::uint64_t last = 0;   ///< the counter of the last of these requests
+  std::uint64_t last = 0;   ///< the request counter of the last of these events
 };
 
 /// Returns the event as JSON text. The text is one line and ends with a newline. Bytes that are not

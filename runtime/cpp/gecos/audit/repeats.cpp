@@ -34,7 +34,7 @@ void Repeats::begin(const Key& key, const Line& line, Window window) {
 
 bool Repeats::end_window(Run& run, std::int64_t now, std::vector<Line>& lines) {
   const std::int64_t age = now - run.line.time;
-  const bool set_back = age < 0;  // the clock was
+  const bool set_back = age < 0;  // the clock was set back
   if (!set_back && age < run.length) return false;
   const bool quiet = run.line.count == 0;
   if (run.window == Window::Growing && quiet) return set_back || age >= longest_window_ms;

@@ -27,7 +27,7 @@ class Repeats {
   static constexpr std::int64_t window_ms = 1000;
   static constexpr std::int64_t longest_window_ms = 60'000;
   enum class Window : std::uint8_t { OneSecond, Growing };
-  /// The default for the constructor.
+  /// The default of `most_kinds`, an argument of the constructor.
   static constexpr std::size_t most = 64;
 
   /// `most_kinds`: the number of different events whose repetitions are counted at the same time.
@@ -59,9 +59,9 @@ class Repeats {
 
  private:
   struct Run {
-    Line line;  ///< its `request` becomes that of the first repetition
+    Line line;  ///< after a repetition, `request` is that of the first repetition
     Window window = Window::OneSecond;
-    std::int64_t length = window_ms;  ///< of the window that began at the time of `line`
+    std::int64_t length = window_ms;  ///< in ms, of the window that began at the time of `line`
     /// Returns the time at which `due` must check this event again.
     std::int64_t due() const;
   };
@@ -71,8 +71,8 @@ class Repeats {
   void note_times(const Run& run);
 
   const std::size_t most_;
-  std::vector<Key> keys_;  ///< apart from the runs, so that `count` searches little memory
-  std::vector<Run> runs_;  ///< of the keys at the same places
+  std::vector<Key> keys_;  ///< kept apart from `runs_`, so that `count` searches little memory
+  std::vector<Run> runs_;  ///< `runs_[i]` is the run of `keys_[i]`
   /// No window ends before this time.
   std::int64_t next_due_ = std::numeric_limits<std::int64_t>::max();
   /// The time at which the newest window began. If the present time is earlier, the clock was set

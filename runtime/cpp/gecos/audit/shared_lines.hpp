@@ -44,8 +44,8 @@ class SharedLines {
  private:
   const std::string object_;
   const std::shared_ptr<Audit> audit_;
-  /// The number of kinds is `most_kinds`, plus some for the lines about several users, of which
-  /// each event name needs one.
+  /// Counts `most_kinds` kinds of events, and some more for the lines about several users: each
+  /// event name needs one such line.
   Repeats repeats_{most_kinds + 16};
 };
 

@@ -223,7 +223,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& told, double served_fo
   } else if (*before != what) {
     log_warning("broker", what.name + " moves from pid " + std::to_string(before->pid) + " on " +
                               before->hostname + " to pid " + std::to_string(what.pid) + " on " +
-                              what.hostname + ": this process has served the name for longer");
+                              what.hostname + ": the latter has served the name for longer");
   }
   if (*provisional == Duration::zero()) return std::nullopt;
   return to_seconds(*provisional);
@@ -245,7 +245,8 @@ Result<Entry> Broker::lookup(const std::string& name) {
   remove_ended();
   auto found = view().look_up(name);
   if (!found) {
-    found.error().name = whole_characters(name, access::longest_name);  // bounds the reply
+    // The name is shortened to limit the size of the reply.
+    found.error().name = whole_characters(name, access::longest_name);
     return tl::unexpected(Fault(found.error()));
   }
   return *std::move(found);

@@ -69,7 +69,8 @@ class Broker final : public BrokerServant {
   void expect_known(const std::vector<media::Kind>& media) GECOS_REQUIRES(mutex_);
   void start_threads();
   void watch_processes();
-  /// Ends the sessions whose `due` has come. Returns the time until the next session is due.
+  /// For each EndedSession whose time `due` has come, marks the objects of its server as silent.
+  /// Returns the time until the next EndedSession is due.
   Duration end_due_sessions(TimePoint now) GECOS_REQUIRES(mutex_);
   void end_session(std::uint64_t session, TimePoint heard) GECOS_REQUIRES(mutex_);
   /// Removes the objects of processes that have ended. Each operation calls this first, because the
@@ -90,7 +91,7 @@ class Broker final : public BrokerServant {
   Directory directory_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t announced_ GECOS_GUARDED_BY(mutex_) = 0;  ///< number of the last published change
   std::optional<Processes> processes_ GECOS_GUARDED_BY(mutex_);  ///< set while this is served
-  std::optional<KeptNames> kept_ GECOS_GUARDED_BY(mutex_);       ///< set while served over shm
+  std::optional<KeptNames> kept_ GECOS_GUARDED_BY(mutex_);  ///< set while this is served over shm
   /// A session of a server on this host that has ended. The session may have ended because the
   /// process died: the kernel closes the sockets of a process before it reports the end of the
   /// process. Until `due`, the broker waits for this report. Then it lists the objects of the

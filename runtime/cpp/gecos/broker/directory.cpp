@@ -49,7 +49,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   const auto found = places_.find(entry.name);
   if (found == places_.end()) {
     const auto silent = silent_.find(entry.name);
-    std::uint64_t epoch = 0;  // 0: a new one
+    std::uint64_t epoch = 0;  // 0: the object gets a new epoch
     if (silent != silent_.end()) {
       const Silent& one = silent->second;
       if (own_life && is_same_life(one.entry, entry)) {

@@ -17,10 +17,10 @@
 
 namespace gecos::broker {
 
-/// The host and the process of a server.
+/// Whether a server runs on the broker's host.
 enum class Host : std::uint8_t {
   Other,
-  Same,  ///< on the broker's host: its end is reported by `Directory::process_ended`
+  Same,  ///< on the broker's host: Directory::process_ended reports the end of the process
 };
 
 /// A server's claim to the name of an object.
@@ -89,8 +89,8 @@ class Directory {
   tl::expected<Duration, NameTaken> enlist(const Claim& claim, const Entry& entry, TimePoint now);
   /// Removes an object. Only the session that enlisted the object may remove it.
   tl::expected<void, UnknownName> withdraw(std::uint64_t session, const std::string& name);
-  /// Marks all objects that the session enlisted as silent, and returns their names. `heard` is the
-  /// time of the last sign of life of the server.
+  /// Marks as silent all objects that the session has enlisted, and returns the names of these
+  /// objects. `heard` is the time of the last sign of life of the server.
   std::vector<std::string> end_session(std::uint64_t session, TimePoint heard);
   /// Returns true when the session enlisted the object and still has the name.
   bool has(std::uint64_t session, const std::string& name) const;
@@ -145,7 +145,7 @@ class Directory {
     Host host = Host::Other;
   };
   struct Change {
-    Registration what;  ///< its `silent_for` is not set
+    Registration what;  ///< the change; the member `silent_for` is not set
     TimePoint heard;    ///< when the server of a silent object was heard last
   };
 
@@ -153,7 +153,7 @@ class Directory {
   std::string why_kept(const Silent& one, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;
   void forget_most(TimePoint now);
-  /// Numbers a change of the list. Returns the number.
+  /// Records a change of the list under the next number. Returns the number.
   std::uint64_t note(const Entry& entry, Presence presence, std::uint64_t epoch,
                      TimePoint heard = {});
 
@@ -163,7 +163,7 @@ class Directory {
   std::map<std::string, Place> places_;
   std::map<std::string, Silent> silent_;
   std::deque<Change> changes_;
-  std::uint64_t number_ = 0;  ///< of the last change
+  std::uint64_t number_ = 0;  ///< the number of the last change
 };
 
 }  // namespace gecos::broker

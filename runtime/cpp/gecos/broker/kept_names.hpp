@@ -20,14 +20,14 @@ class KeptNames {
   /// Returns the objects in the file whose processes live, and watches these processes. Leaves out
   /// the objects of the calling process, because this process runs and registers them itself.
   std::vector<Entry> living(Processes& processes) const;
-  /// Writes `entries` to the file unless it contains them already. Each process must be watched.
-  /// Logs a warning when the file cannot be written.
+  /// Writes `entries` to the file unless the file contains them already. `processes` must watch the
+  /// process of each entry. Logs a warning when the file cannot be written.
   void keep(const std::vector<Entry>& entries, const Processes& processes);
 
  private:
   const std::string path_;
   std::vector<Entry> kept_;
-  std::string reported_;  ///< why the file could not be written the last time
+  std::string reported_;  ///< the last logged reason for which the file could not be written
 };
 
 }  // namespace gecos::broker

@@ -18,8 +18,9 @@ class Processes {
   /// Begins to watch the process. Returns false when the process does not exist, because it has
   /// ended or is in another PID namespace. Does nothing when the process is watched already.
   bool watch(std::int32_t pid);
-  /// Returns when the watched process started, in ticks since the boot of the machine. A later
-  /// process with the same PID has another start time. Returns 0 when the start time is not known.
+  /// Returns the time at which the watched process started, in ticks since the boot of the machine.
+  /// A later process with the same PID has another start time. Returns 0 when the start time is not
+  /// known.
   std::uint64_t start_of(std::int32_t pid) const;
   void forget(std::int32_t pid) { watched_.erase(pid); }
   /// Returns the watched processes that have ended, and forgets them. Never blocks.
@@ -30,8 +31,8 @@ class Processes {
 
  private:
   struct Watched {
-    /// A pidfd, or -1 when this process had no descriptor left for one. `take_ended` then looks up
-    /// the process by its PID.
+    /// The pidfd of the watched process; -1 when the calling process had no descriptor left for a
+    /// pidfd. `take_ended` then looks up the process by its PID.
     Descriptor process;
     std::uint64_t start = 0;
   };

@@ -26,8 +26,8 @@ class View {
   std::vector<Entry> query(std::string_view interface_name) const;
   std::vector<Silent> silent(TimePoint now) const;
   /// Returns the revision of the list that this client sees. For a visitor, the member `life`
-  /// changes whenever the visitor may see other objects. The visitor then gets the whole list
-  /// again, without the objects that are hidden now.
+  /// changes whenever the set of objects that this visitor may see changes. The visitor then gets
+  /// the whole list again, without the objects that are hidden now.
   ListRevision revision() const;
   /// Returns the changes that this client may see. A visitor gets no change that is older than the
   /// lists that name this visitor.
@@ -38,7 +38,7 @@ class View {
   bool hides(const Entry& one) const { return hidden(one.name); }
 
   const Directory& directory_;
-  std::optional<access::VisitorBook::Seen> seen_;  ///< no value: everything
+  std::optional<access::VisitorBook::Seen> seen_;  ///< no value: the client may see all objects
 };
 
 }  // namespace gecos::broker

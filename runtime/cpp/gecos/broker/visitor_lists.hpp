@@ -50,7 +50,7 @@ class VisitorLists {
   // Only the thread that calls `refresh_revoked` uses these members.
   TimePoint next_{};
   std::optional<TimePoint> read_at_;
-  bool reported_ = false;  ///< that the file cannot be read
+  bool reported_ = false;  ///< a warning that the file cannot be read was logged
 };
 
 }  // namespace gecos::broker

@@ -13,8 +13,8 @@ namespace gecos::session {
 
 inline constexpr std::string_view broker_name = "BROKER";
 
-/// Looks up the object `name`. On failure returns a text such as "no object is called RX91; the
-/// broker knows LASER, RX90".
+/// Looks up the object `name`. On failure returns a text such as "no object is called RX91; start
+/// the object's server, or choose a name that the broker knows: LASER, RX90".
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name, TimePoint deadline);
 
 /// Returns the object `name` if its server is silent. Returns nullopt when its server is online,

@@ -10,7 +10,8 @@ namespace {
 
 constexpr Duration longest_pause = std::chrono::milliseconds(160);
 constexpr Duration longest_pause_when_refused = std::chrono::seconds(1);
-constexpr Duration slice = std::chrono::milliseconds(100);  // in which a closed Lab is noticed
+/// A closed Lab is noticed within this time.
+constexpr Duration slice = std::chrono::milliseconds(100);
 constexpr Duration ask_anyway_after = std::chrono::seconds(1);
 constexpr Duration patience = std::chrono::seconds(2);
 

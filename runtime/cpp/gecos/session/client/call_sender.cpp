@@ -254,7 +254,7 @@ TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
   return soon;
 }
 
-// The end of a session
+// The functions below are about the end of a session.
 
 bool CallSender::say_goodbye() {
   const MutexLock lock(mutex_);

@@ -44,8 +44,8 @@ class CallSender {
   /// Sends `command` as a call with `header` and with the arguments of `size` bytes that `encode`
   /// writes. Sets session, counter and acknowledgement in `header`. With an actor command, also
   /// sends what the program knows of earlier commands (SeenFailures). Fails with Full when `most`
-  /// calls are open. If `command` may be sent in several sessions, `attach_to` is this session, to
-  /// which the command then belongs; for other commands it is null.
+  /// calls are open. `attach_to`: for a command that may later be sent again in another session,
+  /// this session, and the command records that it was sent here; null for every other command.
   tl::expected<void, media::SendProblem> send(wire::PacketHeader& header, std::size_t most,
                                               std::size_t size,
                                               FunctionRef<void(wire::Encoder&)> encode,
@@ -83,8 +83,8 @@ class CallSender {
   // The maintenance thread calls the following functions.
 
   /// Over a medium that loses packets, sends again the calls that are due. Over any medium, sends
-  /// again each Cancel packet for which there was no room before. Returns when the next tick is
-  /// due. `next_beat`: when the next heartbeat is due.
+  /// again each Cancel packet for which there was no room before. Returns the time of the next
+  /// tick. `next_beat`: the time of the next heartbeat.
   TimePoint repeat(TimePoint now, TimePoint next_beat);
   /// Queries the calls that were already open at the previous `query_old_calls`, because their
   /// replies may have been damaged in shared memory. Does nothing over a medium that loses packets,
@@ -99,7 +99,7 @@ class CallSender {
   /// no room for the packet.
   bool say_goodbye();
 
-  /// Says what happens to the calls that the server has received but not started.
+  /// Whether the calls that the server has received but not started still run, or are withdrawn.
   enum class Queued : std::uint8_t { Run, Withdrawn };
   /// The calls that were open when their session was lost.
   struct Remains {
@@ -142,7 +142,7 @@ class CallSender {
   /// The shortest time so far between a call and its reply. Measured only over a medium that loses
   /// packets.
   Duration quickest_answer_ GECOS_GUARDED_BY(mutex_) = std::chrono::seconds(1);
-  /// The counter of the newest call at the last `query_old_calls`.
+  /// The counter that the newest call had at the time of the last `query_old_calls`.
   std::uint64_t open_when_asked_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 

@@ -94,7 +94,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   const std::size_t most = calls_.most_open(operation.safety || is_builtin(operation.code));
   auto sent = calls_.send(header, most, size, encode, command, nullptr);
   if (!sent && sent.error() == media::SendProblem::Full) {
-    reader_.poll_once();  // to read the replies that wait may make room
+    reader_.poll_once();  // reading the replies that wait may make room
     sent = calls_.send(header, most, size, encode, command, nullptr);
   }
   if (sent) {

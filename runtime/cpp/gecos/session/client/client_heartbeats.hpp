@@ -19,7 +19,7 @@ class ClientHeartbeats {
 
   /// Returns whether the tick at the time `now` sends a heartbeat.
   bool due(TimePoint now) {
-    if (now + 2 * shift_ < next_) return false;  // NextTick::shift says why twice
+    if (now + 2 * shift_ < next_) return false;  // NextTick::shift explains the factor 2
     next_ = now + period_;
     return true;
   }

@@ -45,9 +45,9 @@ std::ostream& operator<<(std::ostream& out, StreamEnd end) {
 namespace gecos::session {
 namespace {
 
-/// The most samples that one call of next() reads after its patience has ended, if all these
-/// samples are too old. Without this limit, a server that floods the stream with old samples would
-/// keep the reader in the call.
+/// The maximum number of samples that one call of next() reads after its patience has ended, if all
+/// these samples are too old. Without this limit, a server that floods the stream with old samples
+/// would keep the reader in the call.
 constexpr int most_looks = 1024;
 
 }  // namespace
@@ -118,8 +118,8 @@ void ClientStream::date(Raw& sample, TimePoint now) {
   sample.age = std::max(now - sample.measured, Duration::zero());
 }
 
-/// Dates a sample that was read for the first time. Returns whether the quality of the stream
-/// permits to give the sample to the reader.
+/// Sets the time and the age of a sample that was read for the first time. Returns whether the
+/// quality of the stream permits giving the sample to the reader.
 template <class Raw>
 bool ClientStream::admit(qos::Reception::Way way, Raw& sample, TimePoint now) {
   date(sample, now);

@@ -58,8 +58,9 @@ class ClientStream final : public StreamCore {
   const std::unique_ptr<media::StreamReader> reader_;
   const std::uint64_t opened_at_;
   const std::optional<std::uint64_t> after_;
-  const std::shared_ptr<qos::Reception> reception_;  ///< of all streams that continue each other
-  std::atomic<bool> waits_{true};                    // orders no other memory
+  /// Shared by the streams that continue one another.
+  const std::shared_ptr<qos::Reception> reception_;
+  std::atomic<bool> waits_{true};  // orders no other memory
 };
 
 }  // namespace gecos::session

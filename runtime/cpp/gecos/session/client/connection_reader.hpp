@@ -44,17 +44,19 @@ class ConnectionReader {
 
   // The maintenance thread calls the following functions.
 
-  /// Requests that the next `poll_once` that becomes the leader also asks the medium whether the
+  /// Requests that the next thread that reads in `poll_once` also asks the medium whether the
   /// connection is lost.
   void look_for_loss_soon() { loss_look_due_.store(true, std::memory_order_relaxed); }
   /// If a watcher is registered and there is no leader, becomes the leader and adds to `into` the
   /// descriptors on which packets arrive. After the sleep, `unwatch` or `abandon_watch` must be
   /// called.
   void watch(std::vector<pollfd>& into);
-  /// Reads the packets that have arrived and gives up the lead, if `watch` took it.
+  /// If `watch` made the calling thread the leader, reads the packets that have arrived and gives
+  /// up the lead.
   void unwatch();
-  /// Gives up the lead, if `watch` took it, without reading. Must be called before the session is
-  /// destroyed, because the maintenance thread then no longer calls `unwatch`.
+  /// If `watch` made the calling thread the leader, gives up the lead without reading. Must be
+  /// called before the session is destroyed, because the maintenance thread then no longer calls
+  /// `unwatch`.
   void abandon_watch();
 
  private:

@@ -163,7 +163,7 @@ tl::expected<std::shared_ptr<ClientConnection>, NoBroker> Context::look_for_brok
   if (!named->place.empty()) append(tried, named->place + " names this address");
   return tl::unexpected(NoBroker{
       "no broker answers; start `gecos up` (a laboratory on this machine) or `gecos broker`, or "
-      "say where it is in GECOS_BROKER or below [broker] in the lab file" +
+      "give the broker's address in GECOS_BROKER or below [broker] in the lab file" +
       (tried.empty() ? std::string() : " (tried " + tried + ")")});
 }
 

@@ -44,9 +44,9 @@ class Context : public std::enable_shared_from_this<Context> {
   void close(Duration patience);
 
  private:
-  /// Returns the place of the broker that the program names, or else the one in GECOS_BROKER, or
-  /// else the one in the lab file. Fails if the lab file cannot be used, because the lab file may
-  /// name a broker other than that of this host.
+  /// Returns the address of the broker: the address that the program gives, else the address in
+  /// GECOS_BROKER, else the address in the lab file. Fails if the lab file is needed and cannot be
+  /// used, because the lab file may name a broker other than that of this host.
   tl::expected<access::LabBroker, std::string> named_broker(TimePoint deadline);
   /// Returns the addresses at which the broker `named` may answer. If a medium is not available to
   /// this program, adds the reason to `tried`.

@@ -31,11 +31,11 @@ struct SessionLoss {
 /// Notified by the reading thread when the server or the medium ends the session.
 class EndListener {
  public:
-  /// The server said goodbye. `flags` and `body` are those of its Goodbye packet: `revokes` and a
-  /// reason (text_of).
+  /// Called when the server has said goodbye. `flags` and `body` are those of the Goodbye packet.
+  /// `flags` may be `revokes`; `body` contains the reason (text_of).
   virtual void on_goodbye(std::int8_t flags, ByteView body) = 0;
-  /// The connection is lost, and all packets that were sent before the loss were read. `loss` is
-  /// not None.
+  /// Called when the connection is lost and all packets that were sent before the loss were read.
+  /// `loss` is not None.
   virtual void on_loss(media::Loss loss) = 0;
 
  protected:

@@ -34,12 +34,10 @@ void end_as(PendingFailover& pending, const std::string& more) {
 void end_late(PendingFailover& pending) {
   const bool started = pending.failure.state() != State::ConnectionFailed;
   const std::string what =
-      "the deadline of '" + std::string(pending.command->again->name) + "' passed ";
+      "the deadline of '" + std::string(pending.command->again->name) +
+      "' passed before a server was found to which the call could be sent again: ";
   pending.command->fail(
-      {started ? Detail::TimedOut : Detail::Expired,
-       what + "while no server was found to send it to again: " + pending.failure.text,
-       {},
-       {}});
+      {started ? Detail::TimedOut : Detail::Expired, what + pending.failure.text, {}, {}});
 }
 
 bool late(const PendingFailover& pending, const Clock& clock) {
@@ -183,7 +181,7 @@ void Failover::run() {
   }
 }
 
-/// The mutex is released while the job runs and is destroyed.
+/// Releases the mutex while the job runs, and while the job is destroyed.
 void Failover::run_job() {
   Job job = std::move(jobs_.front());
   jobs_.pop_front();

@@ -37,11 +37,11 @@ struct PendingFailover {
   TimePoint give_up{};
 };
 
-/// Sends `@idempotent` readings again when their session was lost before they ended: looks up their
-/// object, opens a new session with the object, and sends the readings in that session. If no
-/// server is found within `grace` or before the deadline of a reading, the reading fails as it
-/// would without failover. Each lab has one Failover. The thread of the Failover starts with the
-/// first loss. Thread-safe.
+/// Sends `@idempotent` readings again when a session was lost before its readings ended: looks up
+/// the object of the lost session, opens a new session with the object, and sends the readings in
+/// the new session. If no server is found within `grace` or before the deadline of a reading, the
+/// reading fails as it would without failover. Each lab has one Failover. The thread of the
+/// Failover starts with the first loss. Thread-safe.
 class Failover final : public TickTarget, public std::enable_shared_from_this<Failover> {
  public:
   /// Maximum number of sessions in which one command is sent. Without a limit, a command that
@@ -84,14 +84,15 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   void run();
   void run_job() GECOS_REQUIRES(mutex_);
   /// Looks for a server for the commands of `from`. Releases the mutex during the search. `from` is
-  /// a copy of the pointer in `searches_`, because that entry may be removed during the search.
+  /// a copy of a pointer in `searches_`, because the entry of this pointer may be removed during
+  /// the search.
   void look(std::shared_ptr<ClientConnection> from) GECOS_REQUIRES(mutex_);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> find(ClientConnection& from);
   std::vector<PendingFailover> send_to(ClientConnection& found,
                                        std::vector<PendingFailover> commands);
 
-  /// Valid until `end` returns. The maintenance thread shares this object and may call `on_tick`
-  /// later, so `on_tick` uses `clock_` and not `lab_`.
+  /// `lab_` is valid until `end` returns. The maintenance thread may call `on_tick` of this
+  /// Failover even later, so `on_tick` uses `clock_` and not `lab_`.
   Context& lab_;
   const Clock& clock_;
   /// Id of the process that created this object. In a forked child the failover thread does not

@@ -19,7 +19,7 @@ class LabFileBroker {
   ~LabFileBroker();
 
   /// Reads the lab file. Waits for the file system, and for a program that is writing the file, at
-  /// most until `deadline`; at most 100 ms if `deadline` is earlier. A missing file counts as an
+  /// most until `deadline`, or for 100 ms if `deadline` comes sooner. A missing file counts as an
   /// empty one, unless a setting names the file. On failure returns a sentence with the reason and
   /// the remedy.
   tl::expected<access::LabBroker, std::string> read(TimePoint deadline);

@@ -19,7 +19,8 @@ class LeaderLock {
   LeaderLock() { followers_.reserve(usual_followers); }
 
   bool try_take() { return change(State::Free, State::Held); }
-  /// Gives up the lead and wakes a follower, if there is one, to take it.
+  /// Ends the lead of the calling thread, which is the leader, and wakes a follower, if there is
+  /// one, so that the follower can become the leader.
   void drop();
 
   /// Called by the leader before it sleeps: another thread may then read in its place.
@@ -33,8 +34,8 @@ class LeaderLock {
 
   enum class Woken : std::uint8_t { Done, Notified, TimedOut };
   /// Sleeps until `done()`, a notification, or `deadline`. After a notification, the caller must
-  /// check again and try to lead. `subject`: the argument of `notify` that wakes this thread; null
-  /// to be notified of every packet that arrives.
+  /// check `done()` again and try to become the leader. `subject`: the argument of `notify` that
+  /// wakes this thread; null to be notified of every packet that arrives.
   Woken follow(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
 
   /// Wakes the threads that wait for `subject`. Must be called after the event that these threads

@@ -56,9 +56,9 @@ class LineProbe {
   qos::OnDegraded on_degraded_ = qos::OnDegraded::Event;
   bool simulated_ = false;
   SuspendAwareClock clock_;
-  std::shared_ptr<PendingCommand> ping_;  ///< under way
+  std::shared_ptr<PendingCommand> ping_;  ///< the ping that is under way
   TimePoint sent_{};
-  std::atomic<std::uint64_t> pings_{0};  // publishes only itself
+  std::atomic<std::uint64_t> pings_{0};  // orders no other memory
 
   mutable Mutex mutex_;
   mutable ConditionVariable changed_;

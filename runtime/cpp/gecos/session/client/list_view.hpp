@@ -47,8 +47,9 @@ class ListView {
   const std::string interface_name_;
   ListRevision revision_;
   std::uint64_t skipped_ = 0;
-  std::map<std::string, Registration> known_;          ///< online or silent
-  std::map<std::string, TimePoint> expected_back_by_;  ///< of names in known_
+  std::map<std::string, Registration> known_;  ///< online or silent
+  /// For names in `known_`: the time by which the server must have registered again.
+  std::map<std::string, TimePoint> expected_back_by_;
 };
 
 }  // namespace gecos::session

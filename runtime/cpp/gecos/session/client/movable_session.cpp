@@ -51,7 +51,7 @@ std::shared_ptr<CommandCore> MovableSession::call(const OperationDescription& op
   std::shared_ptr<ClientConnection> session;
   {
     const MutexLock lock(mutex_);
-    status_.begin();  // from now on the session stays
+    status_.begin();  // from now on the session does not move to another medium
     session = current_;
   }
   auto command = session->call(operation, size, encode, options);
@@ -86,7 +86,8 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> MovableSession::subscribe(
 
 tl::expected<std::shared_ptr<WriterCore>, Failure> MovableSession::open_writer(
     const InwardDescription& stream) {
-  const MutexLock subscribing(subscribing_);  // the session stays until the writer is known
+  // While this mutex is locked, the session does not move: it must first know the writer.
+  const MutexLock subscribing(subscribing_);
   auto writer = current()->open_writer(stream);
   const MutexLock lock(mutex_);
   if (writer) writers_.push_back(*writer);
@@ -108,7 +109,7 @@ std::uint64_t MovableSession::issued() {
   return issued_before_ + current_->issued();
 }
 
-// The state of the connection
+// The functions below are about the state of the connection.
 
 LineState MovableSession::line() const {
   const MutexLock lock(mutex_);
@@ -142,7 +143,7 @@ LineState MovableSession::await_line_change(std::uint64_t changes, TimePoint dea
   }
 }
 
-// Moving to another medium
+// The functions below move the session to another medium.
 
 std::string MovableSession::why_stay() {
   if (!must_stay_.empty()) return must_stay_;

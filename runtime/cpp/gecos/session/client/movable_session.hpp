@@ -16,11 +16,12 @@
 
 namespace gecos::session {
 
-/// The session of a proxy whose interface has `@qos(on_degraded="failover")`. When its connection
-/// becomes degraded, it opens another session with the same object over another medium that meets
-/// the quality. From then on, the new session carries the calls and the streams. Calls that were
-/// issued before the change end in the old session, which stays open until then. While the program
-/// has a status or writes an inward stream, the session stays on its medium. Thread-safe.
+/// The session of a proxy whose interface has `@qos(on_degraded="failover")`. When the connection
+/// becomes degraded, this class opens another session with the same object over another medium that
+/// meets the quality. From then on, the new session carries the calls and the streams. Calls that
+/// were issued before the move end in the old session, which stays open until they have ended.
+/// While the program has a status or writes an inward stream, the session stays on its medium.
+/// Thread-safe.
 class MovableSession final : public ClientSession,
                              public TickTarget,
                              public std::enable_shared_from_this<MovableSession> {
@@ -58,8 +59,8 @@ class MovableSession final : public ClientSession,
   };
   /// What this object reports in addition to the changes of the present connection.
   struct Report {
-    std::uint64_t earlier = 0;  ///< all changes, without those of the present connection
-    std::uint64_t at = 0;       ///< changes of the present connection before the last report
+    std::uint64_t earlier = 0;  ///< number of changes, without those of the present connection
+    std::uint64_t at = 0;  ///< number of changes of the present connection before the last report
     std::string moved_from{};
     std::string why{};
   };
@@ -91,7 +92,8 @@ class MovableSession final : public ClientSession,
   /// The capabilities of each medium that was used. Callers keep references to the values, so no
   /// value is ever removed.
   mutable std::map<std::string_view, media::Capabilities> capabilities_ GECOS_GUARDED_BY(mutex_);
-  std::uint64_t issued_before_ GECOS_GUARDED_BY(mutex_) = 0;  ///< calls in sessions that were left
+  /// Number of calls in sessions that were left.
+  std::uint64_t issued_before_ GECOS_GUARDED_BY(mutex_) = 0;
   StatusUse status_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::weak_ptr<WriterCore>> writers_ GECOS_GUARDED_BY(mutex_);
   qos::FailoverPlan plan_ GECOS_GUARDED_BY(mutex_);

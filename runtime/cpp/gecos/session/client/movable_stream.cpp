@@ -18,8 +18,8 @@ void MovableStream::go_on_in(std::shared_ptr<ClientStream> core) {
 }
 
 /// Makes `core` the stream from which the reader reads. The previous stream is destroyed on the
-/// maintenance thread, because it may be the last user of its session, and the end of a session
-/// takes a while.
+/// maintenance thread, because that stream may be the last user of its session, and the end of a
+/// session takes a while.
 void MovableStream::read_from(std::shared_ptr<ClientStream> core) {
   if (core == read_) return;
   read_.swap(core);
@@ -44,7 +44,8 @@ tl::expected<void, StreamEnd> MovableStream::lend_next(RawLent& into, TimePoint 
   return next_of(into.sequence, [&] { return read_->lend_next(into, deadline); });
 }
 
-/// `sequence`: the number of the sample that was read last. `read` waits for the next sample.
+/// Reads the next sample with `read`, which waits for it, and changes to the stream over the new
+/// medium when the session has moved. `sequence`: the number of the sample that was read last.
 tl::expected<void, StreamEnd> MovableStream::next_of(
     const std::uint64_t& sequence, FunctionRef<tl::expected<void, StreamEnd>()> read) {
   for (;;) {

@@ -51,7 +51,7 @@ class MovableStream final : public StreamCore {
   const std::shared_ptr<ClientSession> session_;
   Runtime& runtime_;
   const StreamDescription& stream_;
-  std::shared_ptr<ClientStream> read_;  ///< from which the reader reads; used by the reader only
+  std::shared_ptr<ClientStream> read_;  ///< what the reader reads; used by the reader only
   mutable FutexMutex mutex_;
   std::shared_ptr<ClientStream> core_ GECOS_GUARDED_BY(mutex_);
 };

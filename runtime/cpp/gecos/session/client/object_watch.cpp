@@ -51,8 +51,8 @@ class ObjectWatch::Impl {
 
  private:
   void ask() {
-    must_ask_ =
-        false;  // without an answer, `news_` reports the next broker, or asks for another try
+    // If the broker does not answer, `news_` later reports the next broker or asks for another try.
+    must_ask_ = false;
     const auto answer =
         session::list_changes(*lab_, view_.revision(), deadline_after(std::chrono::seconds(2)));
     if (!answer) return;

@@ -35,9 +35,9 @@ class ObjectConnector {
   /// Makes a later failover use `options` instead of the options of this session.
   void set_options_of_successors(const CreateOptions& options) { later_options_ = &options; }
 
-  /// Opens a session over the channel `only`. `channel` names the object and the channel in the
-  /// reasons of a failure: "RX90 (in=lcm)".
-  /// `without`: a medium that must not be used.
+  /// Opens a session over the medium `only`, or over the best medium if `only` has no value.
+  /// `channel` names the object and the channel in the text of a failure, for example "RX90
+  /// (in=lcm)". `without`: a medium that must not be used.
   Opened over(std::optional<media::Kind> only, const std::string& channel, TimePoint deadline,
               std::optional<media::Kind> without = {}) const {
     Selection selection(*lab_.runtime(), entry_, demanded(), only, without);

@@ -40,8 +40,8 @@ std::shared_ptr<PendingCommand> PacketReceiver::take_reply(const wire::PacketVie
   } else {
     if (command->chain.failures) {
       command->chain.because_of = packet.header.acknowledged;
-      // Only the command that failed causes a warning. The later commands that the server left out
-      // because of this failure cause none.
+      // Only the command that failed causes a warning. The later commands that the server did not
+      // carry out because of this failure cause none.
       if (command->chain.because_of != 0) command->observe();
     } else if (detail == Detail::NotStarted) {
       // The server may not know the operation of a call that it did not start. Therefore the

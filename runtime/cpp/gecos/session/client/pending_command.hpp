@@ -87,15 +87,15 @@ class PendingCommand final : public CommandCore {
   struct InChain {
     std::shared_ptr<SeenFailures> failures;
     SeenFailures::Place place{};
-    /// The counter of an earlier, failed command because of which this command was left out; 0 if
-    /// this command was not left out. Written before the command is terminal.
+    /// If this command was not carried out because an earlier command failed, the counter of that
+    /// earlier command; otherwise 0. Written before the command is terminal.
     std::uint64_t because_of = 0;
   } chain;
 
   /// True if the time at which the reply arrives must be recorded. Written before other threads
   /// know the command.
   bool timed = false;
-  TimePoint answered{};  ///< when the reply arrived, if `timed`; written before it is terminal
+  TimePoint answered{};  ///< time of the reply, if `timed`; written before the command is terminal
 
   /// State for sending the call again over a medium that loses packets. Guarded by the mutex of the
   /// session's CallSender.
@@ -108,7 +108,8 @@ class PendingCommand final : public CommandCore {
     bool on_its_way = false;  ///< the packet was sent at least once
     bool arrived = false;     ///< the server has the call; only the outcome is queried
     bool cancel = false;
-    std::uint64_t cancel_up_to = 0;  ///< the call that was issued last when `cancel` was set
+    /// Counter of the last call that was issued before `cancel` was set.
+    std::uint64_t cancel_up_to = 0;
   } retry;
 
   /// Data for sending the command again in another session. All members except the last three are
@@ -142,8 +143,8 @@ class PendingCommand final : public CommandCore {
   const std::string_view operation_;  ///< empty: the command was never sent
   const bool actor_ = false;          ///< the operation needs a status
   const bool keeps_place_ = false;
-  mutable std::atomic<bool> looked_{
-      false};  ///< `chain.failures` knows that the program has seen it
+  /// True once `chain.failures` was told that the program has seen the failure of this command.
+  mutable std::atomic<bool> looked_{false};
   mutable FutexMutex mutex_;
   std::atomic<Detail> detail_{Detail::Sent};  // a terminal value publishes result_, failure_
   std::uint32_t position_ GECOS_GUARDED_BY(mutex_) = 0;

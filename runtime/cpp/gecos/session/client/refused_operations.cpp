@@ -12,7 +12,9 @@ void RefusedOperations::check_quality(const InterfaceDescription& wanted,
   for (const UnsuitedMember& member : unsuited_members(wanted, line, simulated)) {
     std::string terms = to_string(member.violations);
     if (!member.samples_only) calls_.push_back({member.code, terms});
-    // A stream is refused with its getter. Its own entry follows, and lists all its terms.
+    // If the getter of a stream is refused, the stream is refused, too. If the stream has an entry
+    // of its own, that entry follows; it lists all violated terms and replaces the entry of the
+    // getter.
     std::erase_if(streams_, [&](const Unsuited& each) { return each.code == member.code; });
     streams_.push_back({member.code, std::move(terms)});
   }

@@ -39,7 +39,7 @@ class RefusedOperations {
   };
   const std::vector<FunctionCode> differing_;
   std::vector<Unsuited> calls_;    ///< sorted by code
-  std::vector<Unsuited> streams_;  ///< sorted by code; also has the code of each of `calls_`
+  std::vector<Unsuited> streams_;  ///< sorted by code; has an entry for each code in `calls_`, too
   std::string medium_;
 };
 

@@ -26,15 +26,15 @@ class SeenFailures {
   /// were not sent are numbered separately.
   struct Place {
     bool sent = true;
-    std::uint64_t number = 0;  ///< of a sent command its counter
+    std::uint64_t number = 0;  ///< for a sent command, its counter in the session
   };
 
   /// Notes what the program knows of the end of the command at `place`.
   void knows(const Place& place, Known known) {
     const MutexLock lock(mutex_);
     if (!place.sent) {
-      // A command is left out if an earlier command failed. A program that detaches the omitted
-      // command has not necessarily seen that earlier failure.
+      // A command may not have been sent because an earlier command had failed. A program that
+      // detaches the later command has not necessarily seen that earlier failure.
       if (known == Known::Detached && place.number != unsent_.number) return;
       return raise(seen_unsent_, place.number);
     }
@@ -87,7 +87,8 @@ class SeenFailures {
     return {false, number};
   }
   /// If a command was not sent and the program has not seen this failure, returns why the command
-  /// was not sent; otherwise nullopt. Of several such commands, the first one counts.
+  /// was not sent; otherwise nullopt. If there are several such commands, returns the reason of the
+  /// first one.
   std::optional<std::string> why_not_sent() const {
     const auto seen = seen_unsent_.load(std::memory_order_relaxed);
     if (unsent_so_far_.load(std::memory_order_relaxed) <= seen) return std::nullopt;

@@ -13,7 +13,7 @@ qos::LineCapabilities line_of(const media::Capabilities& capabilities) {
   qos::LineCapabilities line;
   line.name = capabilities.name;
   line.between_hosts = capabilities.reach == media::Reach::Network;
-  line.reliable = true;  // when the medium loses packets, the session sends those of calls again
+  line.reliable = true;  // if the medium loses packets, the session sends calls again
   line.keeps_samples = capabilities.reliable;
   line.real_time = capabilities.real_time;
   // Within one process, client and server die together, so no medium needs to report a death.
@@ -106,7 +106,7 @@ std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interfa
   const auto check = [&](const auto& member, qos::Traffic traffic) {
     auto violated = qos::violations(demanded_of(member.quality, simulated), line, traffic);
     if (violated.empty()) return;
-    // A stream has the code of its getter, and most terms of its quality.
+    // A stream and its getter have the same code, and most terms of their quality are the same.
     const auto getter = std::ranges::find(found, member.code, &UnsuitedMember::code);
     if (getter != found.end() && getter->violations == violated) return;
     const bool samples_only =

@@ -11,7 +11,7 @@
 
 namespace gecos::session {
 
-/// Returns the promises of a session over a medium with these capabilities.
+/// Returns what a session over a medium with these capabilities promises.
 qos::LineCapabilities line_of(const media::Capabilities& capabilities);
 
 /// Returns the quality that a medium must have because of `asked`. For a simulated device, soft
@@ -42,8 +42,8 @@ struct Route {
   qos::LineCapabilities line;
 };
 
-/// Decides which medium a client uses for the object `entry`; nothing else decides it. Reads no
-/// clock and sends nothing.
+/// Decides which medium a client uses for the object `entry`. No other code makes this decision.
+/// Reads no clock and sends nothing.
 class Selection {
  public:
   /// `demanded`: what the medium must meet. `only`: the only medium to consider. `without`: a
@@ -68,9 +68,9 @@ class Selection {
   void pass_over(const std::string& address, const std::string& why);
 
   const qos::Quality demanded_;
-  const std::string asked_for_;  ///< " over lcm" when only lcm is considered
+  const std::string asked_for_;  ///< for messages: " over lcm" when only lcm is considered
   const std::string offered_;    ///< the media that the server offers, "inproc, shm"
-  std::vector<Route> routes_;    ///< that this program can reach
+  std::vector<Route> routes_;    ///< the routes that this program can reach
   std::string passed_over_;      ///< the other media, each with the reason
   std::string left_out_;         ///< see left_out()
 };

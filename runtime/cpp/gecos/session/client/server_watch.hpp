@@ -34,7 +34,7 @@ class ServerWatch {
   AnswerWatch::Verdict judge_answers(bool calls_are_open, std::uint64_t packets) {
     return answers_.judge(calls_are_open, packets, liveness_clock_.now());
   }
-  /// Returns the time since the last packet, not counting times without open calls.
+  /// Returns the time since the last packet. Times without open calls do not count.
   Duration mute_for() const { return answers_.silent_for(liveness_clock_.now()); }
 
  private:

@@ -96,8 +96,9 @@ tl::expected<bool, Failure> SessionFailover::send_again(
       session_.calls().not_sent(again.name, again.arguments.size(), sent.error()));
 }
 
-/// Returns the first session in the chain of successors that is not lost; null when there is none.
-/// Removes the lost sessions before it from the chain.
+/// Each session that was replaced points to its successor. Returns the first of the successors of
+/// this session that is not lost; null when there is none. Removes the lost successors before that
+/// session.
 std::shared_ptr<ClientConnection> SessionFailover::successor() {
   const auto first = next();
   auto last = first;

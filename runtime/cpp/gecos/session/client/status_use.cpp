@@ -27,7 +27,7 @@ void StatusUse::issued(FunctionCode operation, std::shared_ptr<CommandCore> comm
   --begun_;
   const bool asks = operation == GecosObjectInterface::acquire.code;
   (asks ? requests_ : releases_).push_back(std::move(command));
-  in_use();  // forgets the uses that have ended
+  in_use();  // called only because it forgets the requests and releases that have ended
 }
 
 bool StatusUse::in_use() {
@@ -37,7 +37,7 @@ bool StatusUse::in_use() {
     if (released != requests_.end()) requests_.erase(released);
   }
   releases_.erase(releases_.begin(), open);
-  std::erase_if(requests_, [](const auto& request) {  // forgets the refused ones
+  std::erase_if(requests_, [](const auto& request) {  // forgets the refused requests
     return has_ended(request) && !is_granted(request);
   });
   return begun_ != 0 || !requests_.empty();

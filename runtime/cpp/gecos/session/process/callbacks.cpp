@@ -83,7 +83,8 @@ void Callbacks::post(std::function<void()> callback) {
     } catch (const std::system_error& failed) {
       log_error("session",
                 std::string("no thread could be created for the callbacks of commands (") +
-                    failed.what() + "); they wait until the next command with a callback ends");
+                    failed.what() +
+                    "); these callbacks wait until the next command with a callback ends");
     }
   }
   shared_->changed.notify_one();

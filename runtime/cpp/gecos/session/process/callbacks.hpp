@@ -9,7 +9,7 @@ namespace gecos::session {
 void run_callback(const std::function<void()>& callback);
 
 /// Runs the completion callbacks of commands one after another on its own thread. The thread starts
-/// with the first callback. A callback may block; only other callbacks have to wait for it.
+/// with the first callback. A callback may block; only the other callbacks then have to wait.
 class Callbacks {
  public:
   Callbacks();

@@ -25,7 +25,7 @@ constexpr const char* of_this_host = "/etc/gecos/lab.toml";
 // The TOML parser recurses for each part of a dotted key: a key with 200,000 parts would overflow
 // the stack and end the process.
 constexpr std::size_t largest_file = 1 << 16;
-/// A file is read only when it has not changed for this long.
+/// The lab file is read only if it has not changed for this time.
 constexpr Duration settled_file = std::chrono::milliseconds(100);
 constexpr Duration settled_empty_file = std::chrono::seconds(1);
 
@@ -88,7 +88,8 @@ std::optional<EditedLabFile::Text> lab_file_text(const std::string& path, bool& 
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file && errno == ENOENT && !must_exist) return std::string();
   const bool no_descriptor = !file && (errno == EMFILE || errno == ENFILE);
-  if (!no_descriptor) must_exist = true;  // a lack of descriptors does not tell whether it exists
+  // If no descriptor is left, it is not known whether the file exists.
+  if (!no_descriptor) must_exist = true;
   struct stat before {};
   if (!file || ::fstat(file.get(), &before) != 0) {
     return failed("the file cannot be read: " + system_text(errno));

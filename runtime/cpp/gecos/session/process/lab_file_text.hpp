@@ -9,11 +9,11 @@ namespace gecos::session {
 
 struct LabFilePath {
   std::string path;
-  bool must_exist = false;  ///< a setting names the file
+  bool must_exist = false;  ///< LabOptions::lab_file or GECOS_LAB_FILE names the file
 };
 /// Returns the path of the lab file of this program. `option`, the value of LabOptions::lab_file,
-/// names the file; if `option` is empty, GECOS_LAB_FILE names it; otherwise it is
-/// /etc/gecos/lab.toml.
+/// names the file. If `option` is empty, GECOS_LAB_FILE names the file; if that is not set either,
+/// the file is /etc/gecos/lab.toml.
 LabFilePath lab_file_path(const std::string& option);
 
 /// Reads the text of the lab file, and sets `must_exist` when the file exists. Returns an empty

@@ -65,7 +65,8 @@ std::vector<std::shared_ptr<TickTarget>> Maintenance::Shared::look_at() {
   return alive;
 }
 
-/// Returns whether this process was suspended.
+/// If this process was suspended, logs this, tells all targets in `alive`, and returns true.
+/// Otherwise returns false.
 bool Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarget>>& alive) {
   const TimePoint now = clock.since_boot();
   const auto stood_still = pauses.tick(now);
@@ -106,7 +107,8 @@ void Maintenance::Shared::run() {
     descriptors.assign(1, {event.descriptor(), POLLIN, 0});
     for (const auto& one : alive) one->watch(descriptors);
     std::vector<std::weak_ptr<TickTarget>> watched(alive.begin(), alive.end());
-    alive.clear();  // so that a target dropped during the sleep is destroyed at once
+    // So that a target whose other owners drop it during the sleep is destroyed at once.
+    alive.clear();
     woken = poll(descriptors.data(), descriptors.size(),
                  idle ? -1 : static_cast<int>(rest.count())) > 0;
     for (const auto& one : watched) {

@@ -17,14 +17,15 @@ class TickTarget {
  public:
   virtual ~TickTarget() = default;
   /// Called on the maintenance thread. Must not block and must not run a user's handler. Returns
-  /// when the next tick is due (next_tick.hpp). The thread sleeps for at least `Maintenance::tick`.
-  /// If it is woken, the next tick of each target comes at once, whatever this function returned.
+  /// the time of the next tick (next_tick.hpp). The thread sleeps for at least `Maintenance::tick`.
+  /// If the thread is woken, the next tick of each target comes at once, whatever this function
+  /// returned.
   virtual NextTick on_tick(TimePoint now) = 0;
   /// Called before `on_tick` when this process was suspended for the time `stood_still`. No call
   /// starts before this function has returned.
   virtual void after_pause(Duration stood_still) { static_cast<void>(stood_still); }
-  /// Adds descriptors to `into`. An event on one of them wakes the maintenance thread before the
-  /// next tick. `unwatch` is called when the thread is awake again.
+  /// Adds descriptors to `into`. An event on one of these descriptors wakes the maintenance thread
+  /// before the next tick. The thread calls `unwatch` when it is awake again.
   virtual void watch(std::vector<pollfd>& into) { static_cast<void>(into); }
   virtual void unwatch() {}
 };

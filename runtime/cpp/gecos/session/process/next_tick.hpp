@@ -15,27 +15,29 @@ struct NextTick {
   NextTick(TimePoint due_at, Duration its_shift = {}) : due(due_at), shift(its_shift) {}
 
   TimePoint due;
-  /// The tick may come earlier or later by this time, together with the tick of another target, so
-  /// that the thread wakes once for both. If the ticks of a target come alone, they become earlier
-  /// by `shift` until they meet those of another target. A tick may thus come up to twice `shift`
-  /// early, and must then do its work.
+  /// A tick may come up to `shift` earlier or later than `due`, together with the tick of another
+  /// target, so that the thread wakes once for both. While the ticks of this target come alone,
+  /// each of them is due `shift` earlier, until it comes together with the tick of another target.
+  /// So a tick may come up to twice `shift` too early, and must do its work even then.
   Duration shift;
 };
 
-/// What the functions below know of a target.
+/// The times of the ticks of one target, for the functions below.
 struct TickTimes {
-  /// How often the ticks of a target may become earlier in a row, without meeting others: twice as
-  /// often as a target needs whose shift is a tenth of its period.
+  /// The maximum number of successive ticks of a target that are due earlier (NextTick::shift). A
+  /// target whose shift is a tenth of its period needs half as many until its ticks come together
+  /// with those of another target.
   static constexpr int most_approaches = 20;
 
   NextTick next{TimePoint{}};
-  bool ticked = false;  ///< in the latest tick_due() that called a target
-  /// How often its ticks became earlier since they met those of another target.
+  bool ticked = false;  ///< the last tick_due() that called any target called this one
+  /// The number of ticks that were due earlier since a tick of this target last came together with
+  /// the tick of another target.
   int approaches = 0;
 };
 
-/// Returns when the thread must wake: when the first tick is due, or when the second one is, if the
-/// first one can wait for it.
+/// Returns the time at which the thread must wake: the time of the first tick or, if the first tick
+/// can wait for the second one, the time of the second tick.
 template <std::derived_from<TickTimes> Target>
 TimePoint wake_at(const std::vector<Target>& targets) {
   NextTick first = TimePoint::max();
@@ -50,10 +52,12 @@ TimePoint wake_at(const std::vector<Target>& targets) {
   return second - first.shift <= first.due ? second : first.due;
 }
 
-/// Called after tick_due() has called some targets. If they can shift their ticks, and none of them
-/// ticks at fixed times, makes their next ticks earlier, so that after some periods these come
-/// together with ticks at fixed times. If all targets can shift their ticks, those of the first
-/// target count as fixed; otherwise all would become earlier, and none would meet another.
+/// Must be called after tick_due() has called some targets. Lets ticks that can be shifted approach
+/// the ticks of the targets that tick at fixed times. If tick_due() has called no target with fixed
+/// times, the next ticks of the called targets become due earlier by their `shift`. After some
+/// periods they come together with ticks at fixed times. If all targets can shift their ticks, the
+/// first target counts as the one with fixed times; otherwise the ticks of all targets would become
+/// earlier and never come together.
 template <std::derived_from<TickTimes> Target>
 void approach_others(std::vector<Target>& targets) {
   const auto ticks = [](const Target& one) { return one.next.due != TimePoint::max(); };
@@ -78,8 +82,8 @@ void approach_others(std::vector<Target>& targets) {
 }
 
 /// Calls `tick(i)`, which returns a NextTick, for each target `i`. The newest target comes first: a
-/// session with a server of this process is newer than the server, and sends its heartbeat before
-/// the server looks for it.
+/// client's session with a server of this process is newer than the server, and so sends its
+/// heartbeat before the server looks for this heartbeat.
 template <std::derived_from<TickTimes> Target, class Tick>
 void tick_all(std::vector<Target>& targets, Tick tick) {
   for (std::size_t at = targets.size(); at-- > 0;) targets[at].next = tick(at);

@@ -17,13 +17,14 @@ std::string stood_still_for(Duration pause);
 /// Detects a pause: a time in which this process did not run, because of SIGSTOP, because the
 /// machine was suspended, or because the process got no core.
 ///
-/// At each tick the maintenance thread records when the next tick is due. When that tick is, or
-/// would be, late by more than `longest_gap`, there was a pause. A rest between two ticks must not
-/// hide a pause: of a rest of 25 to 125 ms, only the first 25 ms count as expected, so a pause
-/// during such a rest is noticed if it takes more than 525 ms, and from 400 ms on at the end of a
-/// rest. After a pause no call may start until the maintenance thread has judged the pause: packets
-/// that wait to be read may be as old as the pause, and peers may have died during the pause. All
-/// times are times of CLOCK_BOOTTIME.
+/// At each tick the maintenance thread records the time at which the next tick is due. If that tick
+/// comes more than `longest_gap` late, or has not come by then, there was a pause. The thread may
+/// sleep for 25 to 125 ms between two ticks. This sleep must not hide a pause, so only its first 25
+/// ms count as expected. A pause that begins with the sleep is therefore noticed if it takes more
+/// than 525 ms; a pause at the end of a sleep of 125 ms is noticed if it takes more than 400 ms.
+/// After a pause no call may start until the maintenance thread has judged the pause: packets that
+/// wait to be read may be as old as the pause, and peers may have died during the pause. All times
+/// are times of CLOCK_BOOTTIME.
 class PauseWatch {
  public:
   static constexpr Duration longest_gap = std::chrono::milliseconds(500);
@@ -33,14 +34,15 @@ class PauseWatch {
   std::optional<Duration> tick(TimePoint now) {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     if (due == TimePoint::max() || now - due <= longest_gap) {
-      due_.store(now, std::memory_order_relaxed);  // detects a pause during this tick, too
+      // So that a pause during this tick is detected, too.
+      due_.store(now, std::memory_order_relaxed);
       next_ = now;
       return std::nullopt;
     }
     judging_.store(true, std::memory_order_relaxed);
     return now - std::min(next_, now);
   }
-  /// Called by the maintenance thread after it has applied the pause to all sessions and commands.
+  /// Called by the maintenance thread after it has told all sessions and commands of the pause.
   void judged(TimePoint next_due) {
     {
       const MutexLock lock(mutex_);

@@ -63,15 +63,15 @@ class OpenRuntimes {
   static inline std::atomic<OpenRuntimes*> of_this_process_{nullptr};
 
   const pid_t owner_ = getpid();
-  /// The list of the process that forked this process. The list is not used; the pointer keeps it
-  /// reachable, so that leak checkers do not report it.
+  /// The list of the process that forked this process. The list is not used. The pointer keeps the
+  /// list reachable, so that leak checkers do not report a leak.
   [[maybe_unused]] const OpenRuntimes* const of_parent_;
   Mutex mutex_;
   std::vector<std::weak_ptr<Runtime>> runtimes_ GECOS_GUARDED_BY(mutex_);
 };
 
 std::atomic<std::uint64_t> incarnation_of_this_process{
-    0};  // 0: not chosen yet; orders no other memory
+    0};  // 0: no number was drawn yet; orders no other memory
 
 std::uint64_t random_incarnation() {
   std::uint64_t number = 0;

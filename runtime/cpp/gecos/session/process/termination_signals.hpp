@@ -3,9 +3,10 @@
 namespace gecos::session {
 
 /// While an instance exists, SIGINT and SIGTERM do not end the process but make a descriptor
-/// readable, whichever thread receives the signal. The destructor of the last instance restores the
-/// previous signal handlers. A signal that the process already ignores (for example SIGINT under
-/// `nohup … &`) stays ignored. In a forked child both signals have their default action.
+/// readable, whichever thread of the process receives the signal. The destructor of the last
+/// instance restores the previous signal handlers. A signal that the process already ignores (for
+/// example SIGINT under `nohup … &`) stays ignored. In a forked child both signals have their
+/// default action.
 class TerminationSignals {
  public:
   /// Opens the descriptor that all instances share, or throws std::system_error. After this call no

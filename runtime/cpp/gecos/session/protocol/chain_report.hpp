@@ -10,13 +10,13 @@
 
 namespace gecos::session {
 
-/// What a client tells the server, with an actor command, about earlier commands of the session:
-/// which of their ends the program knew when it issued the actor command. The body of a Call packet
+/// What a client reports to the server together with an actor command: of which earlier commands of
+/// the session the program knew the end when it issued the actor command. The body of a Call packet
 /// with the flags `reports` begins with a ChainReport.
 struct ChainReport {
   enum class Known : std::uint8_t {
     Failure = 1,   ///< the program has seen that the command did not succeed
-    Canceled = 2,  ///< the program has canceled the command before it saw an end
+    Canceled = 2,  ///< the program has canceled the command before it saw how the command ended
     Detached = 3,  ///< the outcome of the command does not matter to the program
   };
   struct Entry {

@@ -29,7 +29,8 @@ struct Hello {
   std::size_t encoded_size() const;
   void encode(wire::Encoder& to) const;
   bool decode(wire::Decoder& from);
-  static std::int64_t fingerprint() { return 0; }  // not sent: the packet kind names the type
+  /// No fingerprint is sent, because the kind of the packet tells the type.
+  static std::int64_t fingerprint() { return 0; }
 };
 
 /// A hash of the encoding of one operation's calls.
@@ -46,8 +47,9 @@ struct Welcome {
   std::vector<std::string> bases;
   std::uint64_t interface_hash = 0;
   std::uint64_t incarnation = 0;
-  std::uint32_t credits = 0;              ///< maximum number of the client's calls in flight
-  std::vector<OperationHash> operations;  ///< empty when the client's interface_hash is equal
+  std::uint32_t credits = 0;  ///< maximum number of calls of the client that are without a reply
+  /// Empty if the interface_hash of the Hello equals that of the server.
+  std::vector<OperationHash> operations;
 
   bool is_a(const std::string& name) const;
   std::size_t encoded_size() const;

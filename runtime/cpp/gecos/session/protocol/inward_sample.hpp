@@ -13,10 +13,10 @@ namespace gecos::session {
 
 /// The origin of a sample of an inward stream. It precedes the value in every sample that a client
 /// sends. Samples correct motions. Therefore a sample that was sent for another command, or under a
-/// status that has ended, must have no effect even if it arrives late.
+/// status that has ended, must have no effect, even if the sample arrives late.
 struct InwardHeader {
   SessionId session{};
-  Epoch epoch{};  ///< of the status under which the client feeds the command
+  Epoch epoch{};  ///< the epoch of the status under which the client sends the sample
   /// The counter, in this session, of the command that the sample feeds; 0 when the sample feeds no
   /// command.
   std::uint64_t command = 0;

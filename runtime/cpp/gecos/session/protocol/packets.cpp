@@ -15,8 +15,8 @@ void frame(Bytes& into, const wire::PacketHeader& header, std::size_t size) {
 }
 
 /// Returns whether a server may end a call with `detail`. Clients determine all other details
-/// themselves. A server may report CONNECTION_FAILED only for a call that it has not started,
-/// because the client may send such a call again.
+/// themselves. A server may report CONNECTION_FAILED only for a call that the server has not
+/// started, because the client may send such a call again.
 bool ends_a_call(Detail detail) {
   switch (detail) {
     case Detail::ServerCrashed:

@@ -11,8 +11,8 @@
 
 namespace gecos::session {
 
-/// Flags of a Call packet whose call was sent before in another session. The body begins with a
-/// SentBefore: the id of that session, and the counter of the call in that session.
+/// The value of the flags of a Call packet whose call was sent before in another session. The body
+/// begins with a SentBefore: the id of that session, and the counter of the call in that session.
 inline constexpr std::int8_t sent_again = 1;
 inline constexpr std::size_t sent_before_size = 8 + 8;
 struct SentBefore {
@@ -24,22 +24,24 @@ struct SentBefore {
     return from.get(session, "session") && from.get(counter, "counter");
   }
 };
-/// Flags of a Call packet that contains an actor command and whose body begins with a ChainReport
-/// (chain_report.hpp).
+/// The value of the flags of a Call packet that contains an actor command and whose body begins
+/// with a ChainReport (chain_report.hpp).
 inline constexpr std::int8_t reports = 2;
-/// Flags of a Call packet with an actor command that the program issued after it had stopped the
-/// object. Failures of earlier commands then do not matter for this command
+/// The value of the flags of a Call packet with an actor command that the program issued after it
+/// had stopped the object. Failures of earlier commands then do not matter for this command
 /// (server/blend_chain.hpp).
 inline constexpr std::int8_t stands_alone = 3;
 /// Returns the body of a Cancel packet. `last` is the counter of the newest call that the client
-/// had issued when it canceled; later calls are not canceled.
+/// had issued at the time of the cancel. Later calls are not canceled.
 Bytes cancel_body(std::uint64_t last);
 /// Returns the counter in the body of a Cancel packet; the largest number when the body is empty.
 std::uint64_t last_canceled(ByteView cancel);
-/// Flags of a Goodbye packet after which no call of the session may start. A client sends this
-/// packet when it has lost the session, or when a Goodbye without this flag was not acknowledged.
+/// The value of the flags of a Goodbye packet after which no call of the session may start. A
+/// client sends this packet when it has lost the session, or when a Goodbye without this flag was
+/// not acknowledged.
 inline constexpr std::int8_t withdraws = 1;
-/// Flags of a Goodbye packet from a server that no longer admits the client. The body says why.
+/// The value of the flags of a Goodbye packet from a server that no longer admits the client. The
+/// body says why.
 inline constexpr std::int8_t revokes = 2;
 
 void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body);

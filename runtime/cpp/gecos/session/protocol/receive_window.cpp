@@ -42,7 +42,8 @@ void ReplyCache::keep(std::uint64_t counter, Bytes packet) {
   crowd_out();
 }
 
-/// Drops the oldest replies beyond the limits. The newest reply always stays.
+/// Drops the oldest replies until the number and the size of the kept replies are within their
+/// limits. Never drops the newest reply.
 void ReplyCache::crowd_out() {
   while (kept_.size() > 1 && (kept_.size() > most_replies || bytes_ > room_)) {
     bytes_ -= kept_.front().packet.size();

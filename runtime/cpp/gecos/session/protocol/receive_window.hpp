@@ -37,8 +37,8 @@ class ReceiveWindow {
 
   static constexpr std::size_t width = 1024;
   std::uint64_t cumulative_ack_ = 0;
-  /// Bit c % width: whether the counter c has arrived, for cumulative_ack_ < c <= cumulative_ack_ +
-  /// width.
+  /// For each counter c with cumulative_ack_ < c <= cumulative_ack_ + width, the bit c % width says
+  /// whether c has arrived.
   std::bitset<width> later_;
 };
 
@@ -55,14 +55,17 @@ class ReplyCache {
   /// Returns the reply to `counter`; null when the reply was acknowledged, or was dropped to make
   /// room.
   const Bytes* find(std::uint64_t counter) const;
-  /// Lowers the size limit and drops the oldest replies beyond it. Must be called when the session
-  /// was lost: the client may still request the remaining replies in another session.
+  /// Lowers the limit of the size of all kept replies, and drops the oldest replies until the limit
+  /// is met. Must be called when the session was lost: the client may still request the remaining
+  /// replies in another session.
   void shrink();
 
  private:
-  /// This number is greater than the number of calls that a client may have in flight.
+  /// The maximum number of replies that are kept. It is greater than the number of calls that a
+  /// client may have without a reply.
   static constexpr std::size_t most_replies = 512;
-  /// Room for two of the largest packets that a medium that loses packets can carry.
+  /// The maximum size of all kept replies: room for two packets of the largest size that a medium
+  /// that loses packets can carry.
   static constexpr std::size_t most_bytes = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_lost = 64 * 1024;
   struct Kept {

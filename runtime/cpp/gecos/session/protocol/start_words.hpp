@@ -13,14 +13,14 @@ enum class CallLane : std::uint8_t { None, Safety, Sensor, Actor };
 
 }  // namespace gecos::session
 
-/// Client and server exchange starts and withdrawals of calls through words in shared memory
-/// (media::Connection::write_word), without packets. So each process can do this while the other
-/// process is stopped.
+/// Through words in shared memory (media::Connection::write_word), the server tells the client
+/// which calls it has started, and the client tells the server which calls it has withdrawn. No
+/// packets are needed, so each process can write while the other process is stopped.
 ///
 /// Before the server starts a call, it writes the counter of the call: the *mark*. Before the
 /// client reports how its calls ended, it writes the counter of its last call: the *withdrawal*.
 /// After its own write, each side reads the other side's word. All four accesses are sequentially
-/// consistent. If the client does not see the mark of a call, the server marked that call after the
+/// consistent. If the client does not see the mark of a call, the server marks that call after the
 /// withdrawal or never. A server that marks a call after the withdrawal sees the withdrawal and
 /// does not start the call.
 namespace gecos::session {

@@ -170,8 +170,8 @@ AccessControl::Judgement AccessControl::judge_registration(const std::string& na
     }
     if (const auto error = file_.found().error) {
       return refused(
-          "the lab file has an error; correct it, or write an empty file to take all its lists "
-          "back: " +
+          "the lab file has an error; correct it, or write an empty file, which removes all its "
+          "lists: " +
           to_string(*error));
     }
     const auto proved = who.user.empty() ? std::nullopt : std::optional(who);

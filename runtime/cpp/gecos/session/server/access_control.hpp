@@ -63,7 +63,7 @@ class AccessControl {
     /// nor a key names another user. Such a client is admitted, and the members below are empty.
     bool own = true;
     access::UserAtHost who{};
-    std::string text{};    ///< as AccessDecision::text
+    std::string text{};    ///< a sentence for people, like AccessDecision::text
     bool visitor = false;  ///< admitted as a visitor only (access/visitors.hpp)
   };
   /// Decides about a client that connects. While the server is out of contact with the broker, no
@@ -106,7 +106,7 @@ class AccessControl {
   /// Returns the policy with the lists that were read last from the lab file.
   const access::AccessPolicy& policy() GECOS_REQUIRES(mutex_);
   std::string name_of(std::uint32_t uid);
-  bool knows_revoked();  ///< whom the visitors' broker has revoked
+  bool knows_revoked();  ///< whether `visitors_` knows which users are revoked
 
   LabFileReader file_;
   const std::shared_ptr<const BrokerContact> contact_;
@@ -115,8 +115,10 @@ class AccessControl {
   /// not ask a directory server of the network each time.
   std::map<std::uint32_t, std::string> names_ GECOS_GUARDED_BY(mutex_);
   access::AccessPolicy policy_ GECOS_GUARDED_BY(mutex_);
-  std::shared_ptr<const access::LabAccess> lists_ GECOS_GUARDED_BY(mutex_);  ///< in `policy_`
-  std::shared_ptr<const Visitors> visitors_ GECOS_GUARDED_BY(mutex_);  ///< null: there are none
+  /// The lists that `policy_` uses.
+  std::shared_ptr<const access::LabAccess> lists_ GECOS_GUARDED_BY(mutex_);
+  /// Null: there are no visitors.
+  std::shared_ptr<const Visitors> visitors_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace gecos::session

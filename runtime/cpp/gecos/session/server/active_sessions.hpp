@@ -23,13 +23,14 @@ class ActiveSessions {
 
   /// Adds a new session, whose connection is polled from now on.
   void add(Session session) { sessions_.push_back(std::move(session)); }
-  /// Adds `session` again, because the descriptor of its connection reported a packet. Returns
-  /// false when its connection is polled already.
+  /// Adds `session` again. Must be called when the descriptor of its connection has reported a
+  /// packet. Returns false when the connection is polled already.
   bool wake(const Session& session);
   /// Puts to sleep the connections that have been silent for a while.
   void retire_idle(TimePoint now);
-  /// Puts connections to sleep, except those on which a packet has arrived or that are lost; for
-  /// their sessions, calls `part_if_lost`. Returns true when all connections sleep.
+  /// Puts all connections to sleep, except those on which a packet has arrived and those that are
+  /// lost. Calls `part_if_lost` for the sessions of these exceptions. Returns true when all
+  /// connections sleep.
   bool put_to_sleep(FunctionRef<void(const Session&)> part_if_lost);
   void clear() { sessions_.clear(); }
 
@@ -38,7 +39,7 @@ class ActiveSessions {
 
  private:
   std::vector<Session> sessions_;
-  std::vector<Session> still_active_;  ///< reused by put_to_sleep, so that it rarely allocates
+  std::vector<Session> still_active_;  ///< reused by put_to_sleep, which thus rarely allocates
 };
 
 }  // namespace gecos::session

@@ -50,9 +50,9 @@ struct CallerState {
   bool unheard = false;
 };
 
-/// Returns why a queued call must not start; nullopt when it may start. The call is checked again,
-/// because leases may have ended since it was queued. `late`: the result of not_in_time() if the
-/// call must not start any more.
+/// Returns why a queued call must not start; nullopt when it may start. The conditions are checked
+/// again, because leases may have ended since the call was queued. `late`: the result of
+/// not_in_time() if the call must not start any more.
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
                                         const CallerState& caller, std::optional<Failure> late);
 

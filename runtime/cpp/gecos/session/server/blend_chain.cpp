@@ -6,14 +6,15 @@
 namespace gecos::session {
 namespace {
 
-/// Returns the detail with which commands are left out after a command that ended with `cause`.
-/// NOT_STARTED stays NOT_STARTED, because it promises the caller that the command may be sent
-/// again.
+/// Returns the detail with which the commands end that are left out after a command that ended with
+/// `cause`. After NOT_STARTED, they end as NOT_STARTED, too, because this detail promises the
+/// caller that the command may be sent again.
 Detail detail_after(Detail cause) {
   return cause == Detail::Canceled || cause == Detail::NotStarted ? cause : Detail::Rejected;
 }
 
-/// Returns the failure of `what`, a command that is left out because of `failed`.
+/// Returns the failure of the command `what`, which is left out because the command `failed` did
+/// not succeed.
 Failure failure_after(const BlendChain::Failed& failed, const std::string& what) {
   std::string why = std::string(to_string(failed.detail));
   if (!failed.text.empty()) why += ", " + failed.text;
@@ -26,7 +27,7 @@ Failure failure_after(const BlendChain::Failed& failed, const std::string& what)
 }
 
 /// Returns whether `detail` may be the end of a command that was canceled. A canceled command may
-/// end as TIMED_OUT, because its deadline may pass while it brakes.
+/// end as TIMED_OUT, because its deadline may pass while the device brakes.
 bool ends_a_cancel(Detail detail) {
   return detail == Detail::Canceled || detail == Detail::TimedOut;
 }
@@ -53,7 +54,7 @@ void BlendChain::arrived(const Arrival& command, const ChainReport& known) {
   for (const ChainReport::Entry& entry : known.entries) note(entry, command.counter);
 }
 
-/// Notes what `entry` says about an earlier command. The program knew this when it issued the
+/// Records what `entry` reports about an earlier command. The program knew this when it issued the
 /// command `from`.
 void BlendChain::note(const ChainReport::Entry& entry, std::uint64_t from) {
   if (Unseen* const failure = find(entry.counter)) {
@@ -89,12 +90,13 @@ void BlendChain::begin_at(std::uint64_t counter) {
 
 void BlendChain::failed(Failed failed) {
   const std::uint64_t counter = failed.counter;
-  if (Unseen* const before = find(counter)) {  // one that was canceled while it ran, and now ends
+  if (Unseen* const before = find(counter)) {  // canceled while it ran: noted already
     before->failed = std::move(failed);
     return;
   }
   if (failures_.size() >= most_known) drop_known();
-  if (failures_.size() >= most_known) failures_.pop_back();  // an earlier failure covers it
+  // The failure that is dropped here is covered by an earlier failure.
+  if (failures_.size() >= most_known) failures_.pop_back();
   Unseen failure{std::move(failed)};
   if (counter < begin_) failure.seen_from = begin_;
   for (const Expected& expected : expected_) {
@@ -126,7 +128,7 @@ void BlendChain::drop_known() {
 
 std::optional<BlendChain::LeftOut> BlendChain::left_out(std::uint64_t counter,
                                                         const std::string& what) const {
-  std::uint64_t covered = 0;  // failures of commands before this one bind no other
+  std::uint64_t covered = 0;  // failures of commands before this one do not matter
   for (const Unseen& failure : failures_) {
     // This failure is covered: it belongs to a command that was left out because of an earlier
     // failure, and the program has continued although it knew the earlier failure.

@@ -12,15 +12,16 @@
 
 namespace gecos::session {
 
-/// Decides which commands with @on_new("blend") of one session are left out because an earlier
-/// command did not succeed.
+/// Decides which commands with @on_new("blend") of one session are left out, that is, not carried
+/// out, because an earlier command did not succeed.
 ///
-/// When such a command does not succeed, the later commands of its client are not carried out.
-/// Otherwise an arm would move to their goals on a path that nobody asked for and nobody checked.
-/// This applies also to commands that arrive after the failure. A command is carried out only if
-/// the program knew every earlier failure when it issued the command; with the command, the client
-/// reports what the program knew (ChainReport). Failures under an earlier status do not matter
-/// after the session has acquired the status anew. Reads no clock. Not thread-safe.
+/// When a command with @on_new("blend") does not succeed, the later commands of its client are not
+/// carried out. Otherwise an arm would move to the goals of the later commands on a path that
+/// nobody asked for and nobody checked. This applies also to commands that arrive after the
+/// failure. A command is carried out only if the program knew every earlier failure when it issued
+/// the command; with the command, the client reports what the program knew (ChainReport). Failures
+/// under an earlier status do not matter after the session has acquired the status anew. Reads no
+/// clock. Not thread-safe.
 class BlendChain {
  public:
   /// A command that did not succeed and that was not left out because of another command.
@@ -30,8 +31,8 @@ class BlendChain {
     Detail detail{};
     std::string text;
   };
-  /// A command that is left out, and the counter of the failed command because of which it is left
-  /// out.
+  /// Why a command is left out: the counter of the failed command that is the reason, and the
+  /// failure that the client gets.
   struct LeftOut {
     std::uint64_t because_of = 0;
     Failure failure;
@@ -44,7 +45,7 @@ class BlendChain {
     /// the session has no status or if the command was issued under an earlier status.
     std::uint64_t held_from = 0;
     /// The client has stopped the object before this command, so failures of earlier commands do
-    /// not matter for it.
+    /// not matter for this command.
     bool stands_alone = false;
   };
   /// Notes that `command` has arrived, and what the client reports with it in `known`. Must be
@@ -64,22 +65,24 @@ class BlendChain {
 
  private:
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
-  static constexpr std::size_t most_known = 256;  ///< failures, and ends that are expected
+  /// Maximum number of `failures_`, and of `expected_`.
+  static constexpr std::size_t most_known = 256;
 
   struct Unseen {
     Failed failed;
-    // Each of the following members is the first command that the program issued after something:
-    // after it had seen the failure, had canceled the failed command, or had detached the failed
-    // command.
+    // Each of the following members is the counter of the first command that the program issued
+    // after an event: after it had seen the failure, had canceled the failed command, or had
+    // detached the failed command.
     std::uint64_t seen_from = never, canceled_from = never, detached_from = never;
 
-    /// Returns the first command that the program issued when it knew the failure.
+    /// Returns the counter of the first command that the program issued after it knew the failure.
     std::uint64_t known_from() const;
-    /// Returns the first command that the program issued although it knew the failure, so that it
-    /// has decided to continue.
+    /// Returns the counter of the first command that the program issued after it had seen the
+    /// failure, or had canceled the failed command and the cancel ended that command. With the new
+    /// command the program has decided to continue.
     std::uint64_t went_on_from() const;
-    /// Returns the first command whose own failure matters in addition to this failure. Earlier
-    /// commands would have been left out because of this failure.
+    /// Returns the counter of the first command whose own failure matters in addition to this
+    /// failure. The commands before it would have been left out because of this failure.
     std::uint64_t covers_up_to() const;
   };
   /// What the program reported about a command that has not failed so far: the program has canceled
@@ -96,7 +99,8 @@ class BlendChain {
   void forget(std::uint64_t counter);
   void drop_known();
 
-  std::uint64_t begin_ = 0;  ///< commands before this one do not count for it and later ones
+  /// Failures of commands before this one do not matter for this command and later commands.
+  std::uint64_t begin_ = 0;
   std::uint64_t held_from_ = 0;
   std::vector<Unseen> failures_;  ///< in the order of their counters
   std::vector<Expected> expected_;

@@ -18,8 +18,8 @@ namespace gecos::session {
 class ClientConnection;
 
 /// Knows which users the laboratory has revoked. A server asks the broker for this list once a
-/// second. A server that got no answer for the time `known_for` may have missed a revocation: it is
-/// out of contact.
+/// second. A server that got no answer for the time `known_for` may have missed a revocation: the
+/// server is out of contact.
 ///
 /// A server without a broker, such as the server of the broker itself, is never out of contact.
 /// Thread-safe.

@@ -86,7 +86,7 @@ void CallRunner::not_begun(ServerCall& call) {
   object_.calls.drop(call);
 }
 
-// Pauses of this process
+// The functions below are about pauses of this process.
 
 /// Waits until every pause of this process is judged. Returns the moment (CLOCK_BOOTTIME) at which
 /// no unjudged pause was found. The mutex is held from that moment on, so the caller may mark a
@@ -110,7 +110,7 @@ void CallRunner::let_pause_be_judged(const ServerCall& call) {
   if (!setup.runtime->maintenance().on_this_thread()) setup.pauses().await_judgement(setup.clock());
 }
 
-// The answers of handlers
+// The functions below process the answers of handlers.
 
 void CallRunner::answered(ServerCall& call, ByteView result) {
   let_pause_be_judged(call);

@@ -74,7 +74,7 @@ class CallState {
   /// Returns true when no thread runs the handler any more, so that the call occupies no thread of
   /// its lane.
   bool returned() const { return state_.returned || state_.phase == Phase::Finished; }
-  /// Returns when the handler began; nullopt before that.
+  /// Returns the time at which the handler began; nullopt before that.
   std::optional<TimePoint> begun_at() const { return begun_at_; }
   /// Returns true when the call has a deadline or a latest start, so that it ends even if it never
   /// starts.

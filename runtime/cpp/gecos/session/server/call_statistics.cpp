@@ -32,7 +32,7 @@ void CallStatistics::begins(ServerCall& call, TimePoint since_boot, bool long_ru
 void CallStatistics::runs_long(ServerCall& call) {
   HandlerTiming& timing = call.timing;
   if (timing.weight == 0) timing.from = *call.state.begun_at();
-  timing.weight = 1;  // of handlers this long, each one is timed
+  timing.weight = 1;  // every handler that runs this long is timed
 }
 
 void CallStatistics::ended(ServerCall& call, Detail detail) {
@@ -42,7 +42,7 @@ void CallStatistics::ended(ServerCall& call, Detail detail) {
   of_session.count_end(detail);
   if (detail != Detail::Expired && detail != Detail::TimedOut) return;
   const TimePoint now = clock_.since_boot();
-  if (!call.state.overdue(now)) return;  // the handler itself failed like this
+  if (!call.state.overdue(now)) return;  // the handler itself has answered with this detail
   const auto missed =
       call.state.misses_start(now) ? &CallCounts::start_by_missed : &CallCounts::deadline_missed;
   ++(of_operation.*missed);

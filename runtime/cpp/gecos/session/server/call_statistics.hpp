@@ -39,7 +39,7 @@ struct OperationCounts {
 /// The measurement of the time of one handler.
 struct HandlerTiming {
   TimePoint from{};          ///< a moment of Clock::since_boot
-  std::uint32_t weight = 0;  ///< timed_weight; 0: the time is not taken
+  std::uint32_t weight = 0;  ///< result of timed_weight(); 0: the time is not measured
 };
 
 /// The counts of the calls of one object, for each operation. Memory for an operation is allocated
@@ -55,9 +55,9 @@ class CallStatistics {
 
   /// Must be called first for each call that is queued.
   void queued(ServerCall& call);
-  /// Must be called when the handler of `call` begins. `since_boot`: when it begins, possibly one
-  /// kernel tick too early. `long_running`: the handler runs on a worker thread, so its time is
-  /// always measured.
+  /// Must be called when the handler of `call` begins. `since_boot`: the time at which the handler
+  /// begins, possibly one kernel tick too early. `long_running`: the handler runs on a worker
+  /// thread, so its time is always measured.
   void begins(ServerCall& call, TimePoint since_boot, bool long_running);
   /// Must be called when the handler of `call` has run for at least one tick of the maintenance
   /// thread. The time of such a handler is always measured.

@@ -20,13 +20,14 @@ class ClearSender {
 
   /// Sends later samples on `channel`, in place of an earlier channel of the same medium.
   void add(std::string_view medium, std::unique_ptr<media::OpenChannel> channel);
-  /// Allows or forbids to send; at first it is allowed. Returns whether this is a change.
+  /// Allows or forbids sending; at first, sending is allowed. Returns whether this call has changed
+  /// that.
   bool allow(bool allowed);
   /// Sends `sample` on all channels. Calls `too_large` for each medium that cannot carry it.
   ///
-  /// The send is one UDP datagram (or its fragments) without an answer: it waits only while the
-  /// send buffer of the socket is full, until the network card of this host has sent a part of it.
-  /// No reader can make it wait.
+  /// Each channel sends one UDP datagram (or its fragments) without an answer. The call waits only
+  /// while the send buffer of the socket is full, until the network card of this host has sent a
+  /// part of the buffer. No reader can make the call wait.
   void send(ByteView sample, FunctionRef<void(std::string_view medium)> too_large);
   /// After this call, nothing is sent.
   void end() { channels_.clear(); }
@@ -34,7 +35,8 @@ class ClearSender {
  private:
   const std::uint64_t fingerprint_;
   bool allowed_ = true;
-  std::map<std::string_view, std::unique_ptr<media::OpenChannel>> channels_;  ///< by medium
+  /// The channel of each medium.
+  std::map<std::string_view, std::unique_ptr<media::OpenChannel>> channels_;
   Bytes message_;
 };
 

@@ -31,7 +31,7 @@ class HandlerTimes {
  private:
   static constexpr std::size_t of_octave = 4;
   static constexpr std::size_t octaves = 36;
-  static constexpr int first_octave = 7;  ///< the first bucket ends above 2^7 ns
+  static constexpr int first_octave = 7;  ///< shorter times than 2^7 ns are in the first bucket
 
   static std::size_t bucket_of(Duration took);
   static Duration end_of(std::size_t bucket);

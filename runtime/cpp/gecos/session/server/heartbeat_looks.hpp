@@ -8,7 +8,8 @@
 
 namespace gecos::session {
 
-/// The time that a server saves or loses so that two pieces of its periodic work share a tick.
+/// The longest time by which a server advances or delays periodic work so that two pieces of work
+/// share a tick.
 inline constexpr Duration tick_window = Maintenance::calm_tick;
 
 /// The time between two heartbeats of a client (docs/protocol.md), and the longest rest of a
@@ -26,8 +27,8 @@ inline constexpr Duration heartbeat_period = std::chrono::milliseconds(100);
 /// is found within twice that time. Reads no clock. Not thread-safe.
 class HeartbeatLooks {
  public:
-  /// Notes a look at the time `now`, which found that the client has sent `heartbeats` heartbeats.
-  /// Returns when the next look is due.
+  /// Records that the server has looked at the time `now`, and has found that the client has sent
+  /// `heartbeats` heartbeats so far. Returns the time of the next look.
   TimePoint look(std::uint64_t heartbeats, TimePoint now) {
     const bool came = heartbeats != heartbeats_;
     if (!came && now + tick_window < due_) return due_;  // the tick was for something else
@@ -43,20 +44,23 @@ class HeartbeatLooks {
   TimePoint due_{};
 };
 
-/// Says when a server sends its own heartbeats: if possible, in a tick in which it looks for those
-/// of a client. Reads no clock. Not thread-safe.
+/// Says when a server sends its own heartbeats: if possible, in a tick in which the server also
+/// looks for a heartbeat of a client. Reads no clock. Not thread-safe.
 class OwnHeartbeats {
  public:
-  /// Returns whether the tick at the time `now` sends a heartbeat. `period`: longest time between
-  /// two heartbeats, but for one that waits up to `tick_window` for a look.
+  /// Returns whether the tick at the time `now` sends a heartbeat. `period`: the longest time
+  /// between two heartbeats. A heartbeat that waits for a look may come up to `tick_window` later
+  /// than that.
   bool due(TimePoint now, Duration period) {
     if (now + Maintenance::tick < next_) return false;
-    // After a tick that no look needed, the next heartbeat comes earlier, until one meets a look.
+    // After a tick without a look, the next heartbeat comes earlier, so that after some periods a
+    // heartbeat and a look share a tick.
     const bool with_look = next_look_ == TimePoint::max() || now >= next_look_;
     next_ = now + (with_look ? period : std::max(period - tick_window, tick_window));
     return true;
   }
-  /// Returns when the next tick is due. `next_look`: the earliest look; TimePoint::max(): none.
+  /// Returns the time of the next tick. `next_look`: the time of the next look for a heartbeat of a
+  /// client; TimePoint::max() if no look is due.
   TimePoint next_tick(TimePoint next_look) {
     next_look_ = next_look;
     return next_look <= next_ + tick_window ? next_look : next_;

@@ -16,7 +16,7 @@ namespace gecos::session {
 
 /// The parts of one object of a server, and the mutex that guards these parts. ObjectHost,
 /// CallRunner, HandlerWaits and NameConfirmation are called from several threads and lock the
-/// mutex. The parts do not lock it.
+/// mutex. The parts themselves do not lock the mutex.
 struct HostState final : private ObjectCalls::Observer, private StatusGrants::Prover {
   explicit HostState(ObjectSetup its_setup);
 

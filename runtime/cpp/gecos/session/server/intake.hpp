@@ -23,7 +23,7 @@ class Intake {
   /// `repeats`: the medium may lose packets, so the client resends its calls.
   explicit Intake(bool repeats) : repeats_(repeats) {}
 
-  /// A deferred call: it arrived before an earlier call of its session.
+  /// A deferred call: a call that arrived before an earlier call of its session.
   struct EarlyCall {
     wire::PacketHeader header;
     Bytes body;
@@ -44,7 +44,8 @@ class Intake {
     TooLate,  ///< the call was unread for too long: do not start it, and notify the client
   };
   Verdict arrived(const Arrival& packet);
-  /// Returns whether `arrived` checks the age of a packet; if not, it does not use `Arrival::age`.
+  /// Returns whether `arrived` checks the age of a packet. If not, `arrived` does not use
+  /// `Arrival::age`.
   bool judges_age(bool unheard) const {
     return (repeats_ || unheard) && accept_within_ > Duration{};
   }

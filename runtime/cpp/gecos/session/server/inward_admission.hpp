@@ -35,7 +35,7 @@ struct InwardSender {
   /// does not have this status.
   std::optional<Epoch> epoch{};
   /// The counter of the running command of this session that takes samples of this stream; 0 when
-  /// samples without a command are admitted.
+  /// samples without a command are admitted; nullopt when no samples are admitted.
   std::optional<std::uint64_t> feeding{};
   /// The stream moves the object, and another server may have the name of the object (NameClaim).
   bool name_unconfirmed = false;

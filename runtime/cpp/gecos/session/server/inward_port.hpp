@@ -70,7 +70,7 @@ class InwardPort final : public InwardCore {
   };
   /// Counts of samples, by verdict. A copy allocates no memory.
   struct Counts {
-    FeedReport numbers;  ///< without the text
+    FeedReport numbers;  ///< the counts; the text of the report is not set
     InwardVerdict last_refusal = InwardVerdict::Admitted;
     /// The text of the last refusal, if the refused sample did not decode.
     std::shared_ptr<const std::string> unreadable{};
@@ -108,14 +108,15 @@ class InwardPort final : public InwardCore {
   const access::ObjectPresence& presence_;
   Mutex mutex_;
   std::vector<std::unique_ptr<Source>> sources_ GECOS_GUARDED_BY(mutex_);
-  std::size_t turn_ GECOS_GUARDED_BY(mutex_) = 0;      ///< the source that is read first
+  std::size_t turn_ GECOS_GUARDED_BY(mutex_) = 0;      ///< index of the source that is read first
   Counts gone_ GECOS_GUARDED_BY(mutex_);               ///< counts of sources that are gone
   std::vector<Feeding> fed_ GECOS_GUARDED_BY(mutex_);  ///< the last one takes the samples
   std::uint64_t feedings_ GECOS_GUARDED_BY(mutex_) = 0;
   /// The time of measurement of the newest sample that the servant took; or, if later, the time at
   /// which a command began to take samples.
   std::optional<TimePoint> fresh_at_ GECOS_GUARDED_BY(mutex_);
-  std::optional<TimePoint> fresh_before_ GECOS_GUARDED_BY(mutex_);  ///< without the last sample
+  /// The value of `fresh_at_` before the servant took the last sample.
+  std::optional<TimePoint> fresh_before_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace gecos::session

@@ -79,7 +79,7 @@ void IoLoop::add_endpoints() {
   }
 }
 
-// Polling
+// The functions below poll the connections.
 
 void IoLoop::run() {
   const MutexLock polling(polling_);
@@ -141,8 +141,8 @@ void IoLoop::turn() {
 
 bool IoLoop::poll_active() {
   bool something = false;
-  // While the standby thread ran a handler, no thread would poll. Therefore it leaves handlers to
-  // worker threads.
+  // If the standby thread ran a handler, no thread would poll meanwhile. Therefore the standby
+  // thread leaves handlers to worker threads.
   const auto starter = std::this_thread::get_id() == main_id_ ? Starter::Poller : Starter::Other;
   for (std::size_t at = 0; at < active_.size(); ++at) {
     ServerSession& session = *active_[at];
@@ -238,7 +238,7 @@ void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
                          " is open: " + session->connection().peer().description);
 }
 
-// Lost connections
+// The functions below are about lost connections.
 
 void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
@@ -297,7 +297,8 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   TimePoint next_look = at_rest ? TimePoint::max() : now + Maintenance::calm_tick;
   for (const auto& session : sessions_.all()) {
     const bool sent = session->sender().flush();
-    // A busy server notes heartbeats, too, so that its first look at rest is not due too late.
+    // A busy server notes heartbeats, too. Otherwise its first look for a heartbeat after it comes
+    // to rest could be too late.
     const TimePoint look = next_look_at(*session, sent, now);
     if (at_rest) next_look = std::min(next_look, look);
     if (beat) session->connection().beat();
@@ -313,8 +314,8 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   return handler % 2 == 1 ? now + Maintenance::tick : heartbeats_.next_tick(next_look);
 }
 
-/// Returns when the next tick of a server at rest must look at `session`. `sent`: no packet waits
-/// to be sent to its client.
+/// Returns the time at which a server at rest must look at `session` again. `sent`: true if no
+/// packet waits to be sent to the client of `session`.
 TimePoint IoLoop::next_look_at(ServerSession& session, bool sent, TimePoint now) const {
   if (session.repeats() || !sent) return now + Maintenance::calm_tick;
   return session.looks.look(session.connection().beats_seen(), now);

@@ -44,7 +44,7 @@ class IoLoop {
   /// then start only after the next heartbeat of the session's client.
   void await_signs_of_life();
   /// Sends heartbeats, detects silent clients and lost connections, and wakes the standby thread.
-  /// Runs on the maintenance thread. Returns when the next tick is due.
+  /// Runs on the maintenance thread. Returns the time of the next tick.
   TimePoint on_tick(TimePoint now);
   /// The descriptor becomes readable when the maintenance thread must tick before the time that
   /// `on_tick` returned.
@@ -57,8 +57,8 @@ class IoLoop {
     std::shared_ptr<ObjectHost> object;
     std::shared_ptr<media::Acceptor> acceptor;
   };
-  /// The event that ended the last sleep. `rang_at`: when the client sent the wake-up that ended
-  /// the sleep.
+  /// The event that ended the last sleep. `rang_at`: the time at which the client sent the wake-up
+  /// that ended the sleep.
   struct Wake {
     media::Woken by = media::Woken::Early;
     TimePoint rang_at{};
@@ -117,7 +117,7 @@ class IoLoop {
   std::atomic<bool> suspects_{false};  // tells the polling thread that some connections may be lost
 
   StandbyCall standby_call_;
-  PollerSleep sleep_;  ///< of main_
+  PollerSleep sleep_;  ///< records whether `main_` sleeps
   /// The value of `handler_turn_` at the last tick. Only the maintenance thread uses this member.
   std::uint64_t handler_seen_ = 0;
   OwnHeartbeats heartbeats_;

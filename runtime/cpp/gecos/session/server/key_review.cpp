@@ -7,8 +7,8 @@
 
 namespace gecos::session {
 
-/// The data that the thread of a KeyReview uses. It outlives the KeyReview if the file system does
-/// not answer, so it does not own the sessions.
+/// The data that the thread of a KeyReview uses. The data outlive the KeyReview if the file system
+/// does not answer, so they do not own the sessions.
 struct KeyReview::Shared {
   struct Look {
     std::weak_ptr<ServerSession> session;

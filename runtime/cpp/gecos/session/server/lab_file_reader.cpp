@@ -20,7 +20,7 @@ struct LabFileReader::Shared {
   void read();
 
   // Used by the thread only.
-  bool must_exist;  ///< a setting names the file, or it did exist
+  bool must_exist;  ///< a setting names the file, or the file existed before
   EditedLabFile file;
 
   Mutex mutex;
@@ -33,7 +33,7 @@ void LabFileReader::Shared::read() {
   if (new_error && file.known()) {
     log_error("session", to_string(*new_error) +
                              "; the last lists without an error stay in force; correct the file, "
-                             "or write an empty one to take all its lists back");
+                             "or write an empty one, which removes all its lists");
   }
   Found now{std::make_shared<const access::LabAccess>(file.lists()), file.known(), file.error(),
             !text.has_value()};

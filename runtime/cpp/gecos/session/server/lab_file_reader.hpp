@@ -26,8 +26,9 @@ class LabFileReader {
     /// and never null.
     std::shared_ptr<const access::LabAccess> lists;
     bool known = false;                           ///< whether there was a text without an error
-    std::optional<access::LabFileError> error{};  ///< of the last text
-    bool being_written = true;                    ///< the last reading found no text that counts
+    std::optional<access::LabFileError> error{};  ///< the error in the last text
+    /// True before the first reading, and if the file was being written at the last reading.
+    bool being_written = true;
   };
   Found found() const;
   /// Returns `found().lists` without copying the other members.

@@ -57,8 +57,8 @@ class ObjectAudit {
   void begins(const ServerCall& call);
   void ended(const ServerCall& call, Detail detail, const std::string& text);
 
-  /// If a client has repeated a command and that second is over, writes one line with the number of
-  /// repetitions. Then lets the audit write to its files.
+  /// For each command that a client has repeated within a second that is over, writes one line with
+  /// the number of repetitions. Then lets the audit write to its files.
   void on_tick();
   /// Writes the lines of all repeated commands that on_tick has not written yet.
   void end();
@@ -67,7 +67,7 @@ class ObjectAudit {
   audit::Line line(std::string_view event, const Caller& caller, std::uint64_t counter = 0) const;
   /// Writes the line about the beginning or the end of a session.
   void add_of_session(const ServerSession& session, audit::Line entry);
-  /// Writes the line. If an equal line follows within a second, it is only counted.
+  /// Writes the line. If an equal line follows within a second, that line is only counted.
   void begin(const audit::Repeats::Key& key, audit::Line entry);
   void command(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                std::string_view operation, Detail detail, std::string_view why);
@@ -75,7 +75,7 @@ class ObjectAudit {
   const std::string object_;
   const std::shared_ptr<audit::Audit> audit_;
   audit::Repeats repeats_;
-  audit::SharedLines visitors_;  ///< of visitors
+  audit::SharedLines visitors_;  ///< the lines about visitors
   std::uint64_t visitor_refusals_ = 0;
 };
 

@@ -62,7 +62,7 @@ void tell_positions(const ObjectQueue& queue) {
 
 }  // namespace
 
-// From the queue to the end of the handler
+// The functions below take a call from the queue to the end of its handler.
 
 tl::expected<std::size_t, ObjectQueue::Full> ObjectCalls::add(
     const std::shared_ptr<ServerCall>& call) {
@@ -139,7 +139,7 @@ void ObjectCalls::finished(ServerCall& call) {
   observer_.finished(call);
 }
 
-// Outcomes
+// The functions below are about the outcomes of calls.
 
 void ObjectCalls::tell_outcome(ServerCall& call, ByteView result) {
   settle(call, Detail::Done, {});
@@ -148,8 +148,8 @@ void ObjectCalls::tell_outcome(ServerCall& call, ByteView result) {
 }
 
 void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
-  // A handler that was interrupted because an earlier command of its chain failed answers CANCELED.
-  // The caller gets the earlier failure as the reason instead.
+  // A handler that was interrupted because an earlier command with @on_new("blend") failed answers
+  // CANCELED. The caller gets the earlier failure as the reason instead.
   const bool interrupted = call.left_out && failure.detail == Detail::Canceled;
   const Failure& reported = interrupted ? call.left_out->failure : failure;
   settle(call, reported.detail, reported.text);
@@ -158,7 +158,9 @@ void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
   break_chain(call, reported);
 }
 
-/// Leaves out the commands that the caller of `call` issued after `call`.
+/// If `call`, which has failed, has @on_new("blend"), leaves out the later commands with
+/// @on_new("blend") of the same session (BlendChain): ends those that are queued, and interrupts
+/// those that have begun.
 void ObjectCalls::break_chain(ServerCall& call, const Failure& failure) {
   if (call.operation().on_new != OnNew::Blend || call.left_out) return;
   BlendChain& chain = call.session->chain;
@@ -233,7 +235,7 @@ void ObjectCalls::wait_interrupted(MutexLock<FutexMutex>& lock, const ServerCall
   }
 }
 
-// Deadlines and progress
+// The functions below are about deadlines and progress.
 
 void ObjectCalls::list(ServerCall& call) {
   if (!std::exchange(call.listed, true)) open_.push_back(call.shared_from_this());

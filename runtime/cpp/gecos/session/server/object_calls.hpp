@@ -61,8 +61,8 @@ class ObjectCalls {
   /// Like take(), but considers only the calls that `wanted` selects.
   std::shared_ptr<ServerCall> take(FunctionRef<bool(const ServerCall&)> wanted);
   /// Marks `call` as started. Must be called directly before the handler of the call begins. If the
-  /// client has withdrawn the call, ends the call and returns false, because the client reports it
-  /// as not started.
+  /// client has withdrawn the call, ends the call and returns false, because the client reports the
+  /// call as not started.
   bool mark(ServerCall& call, TimePoint since_boot);
   /// Must be called when the handler of a call that was taken will not begin. @pre the call has
   /// ended
@@ -81,15 +81,15 @@ class ObjectCalls {
 
   // The following functions end a call for a reason other than the answer of its handler.
 
-  /// Ends `call` with `failure`, notifies its caller, and removes it from the queue if it has not
-  /// started. @pre the call has not ended
+  /// Ends `call` with `failure`, notifies its caller, and removes the call from the queue if the
+  /// call has not started. @pre the call has not ended
   void end(ServerCall& call, const Failure& failure);
   /// Ends the actor commands that `which` selects: removes queued commands and interrupts running
   /// ones.
   void end_commands(FunctionRef<bool(const ServerCall&)> which, const Failure& failure);
   /// Ends all calls.
   void end_all(const Failure& failure);
-  /// Sets the interrupt flag of `call` and wakes the threads that wait for it.
+  /// Sets the interrupt flag of `call` and wakes the threads that wait for this flag.
   void interrupt(ServerCall& call);
   /// Sleeps until `call` is interrupted or until `deadline`. `lock` holds the object's mutex.
   void wait_interrupted(MutexLock<FutexMutex>& lock, const ServerCall& call, TimePoint deadline);

@@ -94,7 +94,7 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
       [&] { state_.setup.servant.gecos_session_ended(number(session->id())); });
 }
 
-// The maintenance thread
+// The maintenance thread calls the functions below.
 
 void ObjectHost::after_pause(Duration stood_still) {
   {
@@ -130,7 +130,7 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
   return waits ? now + Maintenance::calm_tick : TimePoint::max();
 }
 
-// The end of an object
+// The functions below are about the end of an object.
 
 void ObjectHost::close() {
   served_.store(false, std::memory_order_relaxed);

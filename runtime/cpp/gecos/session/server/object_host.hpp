@@ -82,7 +82,7 @@ class ObjectHost final : public Publisher {
   /// After a long pause the broker must confirm the object's name again.
   void after_pause(Duration stood_still);
   /// Handles deadlines, leases and pending progress reports, and starts calls that no other thread
-  /// starts. Returns when the next tick is due.
+  /// starts. Returns the time of the next tick.
   TimePoint on_tick(TimePoint now);
 
   void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) override;

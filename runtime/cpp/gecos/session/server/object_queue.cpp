@@ -6,8 +6,8 @@
 namespace gecos::session {
 namespace {
 
-/// Returns true for a preempting command. As soon as this command is queued, it ends the commands
-/// before it, so it may use their room in the queue.
+/// Returns true for a preempting command. When such a command is queued, it ends the commands
+/// before it. So it may use the room of these commands in the queue.
 bool replaces(const QueueEntry& entry) { return entry.operation.on_new == OnNew::Preempt; }
 
 bool may_start_beside(const QueueEntry& running, const QueueEntry& next) {

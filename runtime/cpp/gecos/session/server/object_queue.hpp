@@ -67,7 +67,7 @@ class ObjectQueue {
   /// Must be called when the call is answered and its handler has returned. After that the next
   /// call may start.
   void ended(const QueueEntry& entry);
-  /// Removes a call that has not started; returns false when it is not queued.
+  /// Removes a call that has not started. Returns false when the call is not queued.
   bool remove(const QueueEntry& entry);
   /// Removes and returns all calls that have not started.
   std::vector<std::shared_ptr<QueueEntry>> drop();
@@ -85,7 +85,7 @@ class ObjectQueue {
 
  private:
   using Lane = std::deque<std::shared_ptr<QueueEntry>>;
-  Lane& lane_of(const QueueEntry& entry);  ///< not for a reading
+  Lane& lane_of(const QueueEntry& entry);  ///< must not be called for a reading
   bool keeps_place(const QueueEntry& entry) const;
   Lane::iterator next_command();
   std::shared_ptr<QueueEntry> start(Lane& lane, Lane::iterator at);

@@ -48,7 +48,7 @@ struct ObjectSetup {
   ObjectOptions options;
   std::shared_ptr<ObjectAudit> audit;  ///< guarded by the object's mutex
   UserRights rights;
-  std::string zone;  ///< in which the object is; empty if it is in none
+  std::string zone;  ///< the zone of the object; empty if the object is in no zone
 
   const Clock& clock() const { return runtime->clock(); }
   PauseWatch& pauses() const { return runtime->maintenance().pauses(); }

@@ -20,7 +20,7 @@ class OpenQuestions {
   struct Question {
     std::shared_ptr<ServerSession> session;
     std::uint64_t counter = 0;
-    std::uint64_t after = 0;  ///< the number of the newest thing that the caller knows
+    std::uint64_t after = 0;  ///< the number of the newest change or request that the caller knows
     TimePoint give_up{};
   };
 
@@ -33,9 +33,9 @@ class OpenQuestions {
   static constexpr std::size_t most = 64;
   static constexpr std::size_t most_of_program = 8;
 
-  /// Keeps a question for at most `patience` seconds, until `answer` replies to it. If the program
-  /// of the caller has too many questions already, or all programs together have, refuses this
-  /// question.
+  /// Keeps a question for at most `patience` seconds, until `answer` replies to it. Refuses the
+  /// question if the program of the caller, or all programs together, already have too many
+  /// questions.
   void add(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
            std::uint64_t after, double patience);
   bool empty() const { return questions_.empty(); }

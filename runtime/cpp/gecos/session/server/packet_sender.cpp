@@ -19,8 +19,8 @@ constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
 /// call fails.
 constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
 
-/// Returns a shorter failure that fits into a packet. It has the same detail as `failure`, and the
-/// beginning of its text.
+/// Returns a shorter failure that fits into a packet. The shorter failure has the detail of
+/// `failure` and the beginning of the text of `failure`.
 Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried) {
   constexpr std::size_t longest_text = 1024;
   const std::string_view kept = whole_characters(failure.text, longest_text);

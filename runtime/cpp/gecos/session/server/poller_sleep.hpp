@@ -7,13 +7,13 @@
 
 namespace gecos::session {
 
-/// Tells the maintenance thread whether the polling thread of a server sleeps, so that it can rest
-/// longer while nothing happens.
+/// Tells the maintenance thread whether the polling thread of a server sleeps. While the polling
+/// thread sleeps, the maintenance thread can rest longer.
 ///
-/// The maintenance thread must look within a tick at what a polling thread does that has woken: a
-/// handler may hang. So a polling thread that wakes sets a timer, which the maintenance thread
-/// watches. It does so only if the maintenance thread has counted on its sleep, so a busy server
-/// pays only a few atomic operations for each sleep.
+/// When the polling thread has woken, the maintenance thread must check it within a tick, because a
+/// handler may hang. Therefore a polling thread that wakes sets a timer, and the maintenance thread
+/// watches the timer. The polling thread sets the timer only if count_on() returned true during the
+/// sleep, so a busy server pays only a few atomic operations for each sleep.
 class PollerSleep {
  public:
   /// Throws std::system_error when the process cannot open another file descriptor.
@@ -29,8 +29,8 @@ class PollerSleep {
 
   // The maintenance thread calls the functions below.
   /// Returns whether the polling thread sleeps and has slept since the last call of this function.
-  /// If so, `descriptor` becomes readable one tick after it has woken. A thread that is woken often
-  /// is not counted on, because each timer costs a tick.
+  /// If so, `descriptor` becomes readable one tick after the polling thread has woken. Returns
+  /// false for a polling thread that is woken often, because each timer costs a tick.
   bool count_on() {
     if (woke_.exchange(false)) return false;
     counted_on_.store(true);
@@ -42,8 +42,9 @@ class PollerSleep {
   void drain() const { timer_.drain(); }
 
  private:
-  // Each thread stores to its own flag and then reads that of the other, so at least one of them
-  // sees what the other has stored. That needs the default memory order.
+  // The polling thread stores to `asleep_` and then reads `counted_on_`; the maintenance thread
+  // stores to `counted_on_` and then reads `asleep_`. With the default memory order, at least one
+  // of them sees what the other has stored.
   std::atomic<bool> asleep_{false};
   std::atomic<bool> counted_on_{false};
   std::atomic<bool> woke_{false};  // since the last call of count_on()

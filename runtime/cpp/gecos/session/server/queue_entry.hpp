@@ -21,7 +21,7 @@ struct QueueEntry {
 
   CallLane lane = CallLane::None;
   bool of_visitor = false;  ///< the client is a visitor (access/visitors.hpp)
-  bool lets_next = false;   ///< its handler has let the next command with @on_new("blend") start
+  bool lets_next = false;   ///< the handler has called Execution::let_next
 };
 
 }  // namespace gecos::session

@@ -30,7 +30,7 @@ ReadingLane::Entry ReadingLane::take(FunctionRef<bool(const QueueEntry&)> wanted
     next = at;
   }
   if (next == waiting_.end()) return nullptr;
-  std::rotate(turn, turn + 1, readers_.end());  // its next turn comes after the others'
+  std::rotate(turn, turn + 1, readers_.end());  // the next turn of this client comes last
   return erase(next);
 }
 

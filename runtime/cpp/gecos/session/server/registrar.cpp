@@ -24,7 +24,7 @@ namespace {
 
 constexpr Duration patience = std::chrono::seconds(2);
 /// The time for which the registrar's thread waits for a broker. Actor commands wait for the same
-/// time. After it, they are refused because no broker answers.
+/// time. After this time, actor commands are refused because no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
 /// A missing broker is not reported before this time has passed, because server and broker are
@@ -188,7 +188,7 @@ bool Registrar::becomes_free(const std::string& name, TimePoint deadline) const 
   const auto holder = session::look_up(*lab_, name, deadline);
   if (holder) return sees_process(*holder) && ::kill(holder->pid, 0) != 0 && errno == ESRCH;
   const auto silent = look_up_silent(*lab_, name, deadline);
-  if (!silent) return true;  // it has left the list meanwhile, or the broker has just been lost
+  if (!silent) return true;  // the object has left the list, or the broker was lost
   const double left =
       std::chrono::duration<double>(deadline - lab_->runtime()->clock().now()).count();
   return silent->free_in && *silent->free_in <= left;
@@ -345,7 +345,8 @@ tl::expected<Registrar::Broker, NoBroker> Registrar::find_broker(TimePoint deadl
     auto there = connect(*lab_->runtime(), place, BrokerInterface::description, deadline, &why);
     if (there) {
       found = *std::move(there);
-    } else {  // if both fail, the first text says what to do
+    } else {
+      // If neither `lab_` nor `place` leads to a broker, the error of `lab_` says what to do.
       const auto answer = why == Detail::Refused ? BrokerAnswer::Refused
                           : found                ? BrokerAnswer::Other
                                                  : found.error().answer;

@@ -53,7 +53,7 @@ class Registrar {
     Entry entry;
     std::shared_ptr<ObjectHost> object;
     TimePoint since{};         ///< when the object was first registered, by CLOCK_BOOTTIME
-    AdmittedNames admitted{};  ///< as the broker is told with each registration
+    AdmittedNames admitted{};  ///< sent to the broker with each registration
   };
   using Broker = std::shared_ptr<ClientConnection>;
 
@@ -109,7 +109,8 @@ class Registrar {
   std::string reported_;
   AskPause pause_;
   bool wanted_ GECOS_GUARDED_BY(mutex_) = false;
-  /// When `thread_` asks the broker again; TimePoint::max(): only when `wanted_` is set.
+  /// The time at which `thread_` asks the broker again; TimePoint::max(): only when `wanted_` is
+  /// set.
   TimePoint next_ GECOS_GUARDED_BY(mutex_) = TimePoint::max();
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   std::thread thread_;  ///< own thread, because the search for a broker blocks

@@ -130,25 +130,26 @@ class Server::Core {
   /// Prints a warning to stderr, and records in the audit, that every user of every host may
   /// connect to an object.
   void announce_insecure(const std::string& name) const;
-  /// Moves objects to the zones in which an edit of the lab file has placed them, applies its rule
-  /// about open streams, and tells the broker whom the objects admit since the edit. An object
-  /// leaves all zones only when it is served anew.
+  /// Applies an edit of the lab file: moves objects to the zones in which the file now places them,
+  /// applies the rule of the file about open streams, and tells the broker which users the objects
+  /// now admit. An object leaves all zones only when it is served anew.
   void follow_lab_file(TimePoint now) GECOS_REQUIRES(mutex_);
 
   const pid_t owner_ = getpid();
   const std::shared_ptr<Context> lab_;
   const Admission admission_;
   const std::shared_ptr<session::BrokerContact> contact_;
-  const std::shared_ptr<session::AccessControl> access_;  ///< acceptors share it
+  const std::shared_ptr<session::AccessControl> access_;  ///< shared with the acceptors
   const std::shared_ptr<audit::Audit> audit_;
-  const std::shared_ptr<session::ConnectionAudit> connections_;  ///< acceptors share it
+  const std::shared_ptr<session::ConnectionAudit> connections_;  ///< shared with the acceptors
   Mutex mutex_;
   std::vector<std::shared_ptr<ObjectHost>> objects_ GECOS_GUARDED_BY(mutex_);
   EventFd ended_;
   session::IoLoop io_;
   session::Registrar registrar_;
   session::ZoneWatches zones_ GECOS_GUARDED_BY(mutex_);
-  TimePoint next_look_ GECOS_GUARDED_BY(mutex_){};  ///< when the lab file is to be read again
+  /// The time of the next reading of the lab file.
+  TimePoint next_look_ GECOS_GUARDED_BY(mutex_){};
   /// The lists of the lab file that `follow_lab_file` applied most recently.
   std::shared_ptr<const access::LabAccess> followed_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<Upkeep> upkeep_;
@@ -226,7 +227,7 @@ Server::Core::~Core() {
   io_.end();
   for (const auto& object : objects_) object->streams().close();
   connections_->end();
-  audit_->end();  // others may keep it: a connection that is being closed, a call
+  audit_->end();  // a connection that is being closed, or a call, may still own the audit
 }
 
 session::UserRights Server::Core::rights() const {
@@ -353,7 +354,8 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   {
     const MutexLock lock(mutex_);
     objects_.push_back(object);
-    judge_open_streams(*object, *access_->lists());  // an edit since then was not followed
+    // If the lab file was edited meanwhile, follow_lab_file() did not know this object.
+    judge_open_streams(*object, *access_->lists());
     if (!zone.empty()) zones_.add(zone, object);
   }
   if (well_known) return {};

@@ -23,14 +23,14 @@ std::string ServerCall::title() const {
 
 std::string refusal_to_register(const CallCore& call, const std::string& name) {
   const auto* const served = dynamic_cast<const ServerCall*>(&call);
-  if (served == nullptr) return {};  // a test's own call
+  if (served == nullptr) return {};  // a call that a test made itself
   ServerSession& client = *served->session;
   return client.object()->setup().rights.refusal_to_register(name, client.connection().peer());
 }
 
 std::optional<ProvedUser> other_user_of(const CallCore& call) {
   const auto* const served = dynamic_cast<const ServerCall*>(&call);
-  if (served == nullptr) return std::nullopt;  // a test's own call
+  if (served == nullptr) return std::nullopt;  // a call that a test made itself
   const media::Peer& peer = served->session->connection().peer();
   auto who = served->session->object()->setup().rights.other_user(peer);
   if (!who) return std::nullopt;
@@ -39,7 +39,7 @@ std::optional<ProvedUser> other_user_of(const CallCore& call) {
 
 std::optional<access::UserAtHost> visitor_of(const CallCore& call) {
   const auto* const served = dynamic_cast<const ServerCall*>(&call);
-  if (served == nullptr) return std::nullopt;  // a test's own call
+  if (served == nullptr) return std::nullopt;  // a call that a test made itself
   const access::UserAtHost* const who = served->session->visit.visitor();
   return who == nullptr ? std::nullopt : std::optional(*who);
 }

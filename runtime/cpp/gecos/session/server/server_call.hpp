@@ -85,10 +85,11 @@ class ServerCall final : public CallCore,
   TimePoint arrived{};  ///< set only when the end of the call will be logged
   std::optional<HandlerWait> waits_for;
   bool listed = false;  ///< the call is in ObjectCalls::open_
-  /// Why the call is left out: the failure of an earlier call of its chain. Set as soon as that
-  /// failure is known; a handler that has begun is then interrupted.
+  /// Set if this call is left out, that is, not carried out, because an earlier command with
+  /// @on_new("blend") of the session failed. Set as soon as that failure is known; if the handler
+  /// of this call has begun, the handler is then interrupted.
   std::optional<BlendChain::LeftOut> left_out;
-  OperationCounts* counts = nullptr;  ///< of its operation; set when the call is queued
+  OperationCounts* counts = nullptr;  ///< the counts of the operation; set when the call is queued
   HandlerTiming timing{};
 
  private:

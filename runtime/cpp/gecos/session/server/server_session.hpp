@@ -52,8 +52,8 @@ class ServerSession {
 
   // The functions below require the object's mutex.
 
-  /// `because_of`: the counter of an earlier, failed command because of which this call was left
-  /// out; 0 if this call was not left out.
+  /// `because_of`: if this call was not carried out because an earlier command failed, the counter
+  /// of that earlier command; otherwise 0.
   void reply(std::uint64_t counter, const Failure& failure, std::uint64_t because_of = 0);
   void reply(std::uint64_t counter, ByteView result);
   /// Replies to the call `counter` with `before`, the reply that this call had in an earlier
@@ -119,7 +119,7 @@ class ServerSession {
   bool left = false;             ///< the client said goodbye
   bool closed = false;           ///< the connection is lost or closed
   bool parted_in_order = false;  ///< the connection ended in order, so its calls still run
-  std::string parted_because;    ///< completes "the client …" when its status is lost
+  std::string parted_because;    ///< completes "the client …", which says why the status is lost
   /// What the server knows from the client's heartbeats.
   struct Heartbeats {
     PeerLiveness liveness;

@@ -32,9 +32,10 @@ void note_failed(const ObjectSetup& setup, ServerSession& session, const wire::P
   session.chain.failed({call.counter, std::string(operation->name), failure.detail, failure.text});
 }
 
-/// Notes in the chain of `session` that the call in `packet` has arrived, and what the client
-/// reports with it. Returns the arguments of the call. Fails if the report is malformed, or if the
-/// packet has flags of a later version, with which the body may have another form.
+/// Records in the BlendChain of `session` that the call in `packet` has arrived, and what the
+/// client reports with the call. Returns the arguments of the call. Fails if the report is
+/// malformed, or if the packet has flags of a later version, with which the body may have another
+/// form.
 tl::expected<ByteView, Failure> note_arrival(ServerSession& session, const wire::PacketView& packet,
                                              const OperationDescription* operation) {
   const wire::PacketHeader& header = packet.header;
@@ -110,7 +111,7 @@ void SessionPackets::take(const Session& session, ByteView bytes) {
     case wire::PacketKind::Query:
       return answer_again(*session, header.counter);
     default:
-      return;  // a packet kind of a newer client
+      return;  // ignores a packet of a kind that only newer clients send
   }
 }
 
@@ -155,8 +156,9 @@ void SessionPackets::withdraw(ServerSession& session) {
   calls_.note_ready();
 }
 
-/// Ends or interrupts the call `counter`. Does the same with the commands of its chain that were
-/// issued after it, up to the call `last`.
+/// Ends the call `counter` if it waits, or interrupts it if it runs and is cancelable. If the call
+/// was interrupted or has @on_new("blend"), also cancels the later commands of `session`, up to the
+/// call `last`.
 void SessionPackets::cancel(ServerSession& session, std::uint64_t counter, std::uint64_t last) {
   constexpr const char* before_start = "canceled before it started";
   const Failure left_line{Detail::Canceled, "canceled while the request waited", {}, {}};
@@ -233,8 +235,8 @@ void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter)
   const auto* found = session.calls.find(counter);
   if (found == nullptr) {
     // A query is not answered in three cases. If the call has never arrived, its client sends it
-    // again. If the reply was acknowledged, the query came too late. If the call is deferred, it
-    // must look to its client as if it had not arrived.
+    // again. If the reply was acknowledged, the query came too late. If the call is deferred, its
+    // client must not notice that the call has arrived.
     if (session.intake.is_aside(counter)) return;
     if (!session.intake.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter,

@@ -41,8 +41,8 @@ class SessionPackets {
 
  private:
   using Session = std::shared_ptr<ServerSession>;
-  /// The time since the client sent a call. nullopt stands for the packet that was read last,
-  /// because the connection knows the age of this packet.
+  /// The time since the client sent a call. nullopt: the call is in the packet that was read last,
+  /// and the connection knows the age of this packet.
   using Age = std::optional<Duration>;
 
   void acknowledge(const Session& session, std::uint64_t counter);

@@ -4,7 +4,7 @@
 
 namespace gecos::session {
 
-/// Lets a standby thread sleep until it is called. Thread-safe.
+/// Lets a standby thread sleep in wait() until another thread calls call(). Thread-safe.
 class StandbyCall {
  public:
   /// Wakes the thread that waits, or lets its next wait() return at once.

@@ -36,15 +36,15 @@ class StartGate {
         statuses_(statuses),
         calls_(calls) {}
 
-  /// Removes the next call that may start from the queue and returns it; null when there is none.
-  /// If the thread of kind `starter` runs the handler itself, marks the call as started. Ends calls
-  /// that may no longer start.
+  /// Removes the next call that may start from the queue and returns this call; null when no call
+  /// may start. If the thread of kind `starter` runs the handler itself, marks the call as started.
+  /// Ends calls that may no longer start.
   std::shared_ptr<ServerCall> next(Starter starter);
   /// Returns whether `call` may still start. Ends the call when it may not.
   bool may_start(ServerCall& call);
 
-  /// Until the next heartbeat of its client, prevents the calls of `session` from starting and its
-  /// samples from being read.
+  /// Prevents the calls of `session` from starting, and the samples of `session` from being read,
+  /// until the next heartbeat of the client.
   void await_heartbeat(ServerSession& session);
   /// Ends the wait that await_heartbeat() began. Must be called when a heartbeat arrived, or when
   /// no heartbeat can arrive any more.

@@ -88,7 +88,7 @@ void StatusGrants::note_change(std::string_view why_ended) {
   roster_.note_change(why_ended);
 }
 
-// Requests
+// The functions below are about requests for a status.
 
 void StatusGrants::request(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                            GecosObject_acquire_arguments asked) {
@@ -165,8 +165,8 @@ std::optional<access::LeaseRefusal> StatusGrants::too_many_wrong(ServerSession& 
                               leases_.roster()};
 }
 
-/// Acquires the status for `request`. If its user has given too many wrong passwords, the password
-/// is not compared.
+/// Acquires the status for `request`. If the user who makes the request has given too many wrong
+/// passwords, the password is not compared.
 tl::expected<access::Grant, access::LeaseRefusal> StatusGrants::try_to_acquire(
     StatusRequest& request, std::size_t before, TimePoint now) {
   using Reason = access::LeaseRefusal::Reason;
@@ -231,7 +231,7 @@ bool StatusGrants::answer(StatusRequest& request, std::size_t before) {
 
 void StatusGrants::serve_line() {
   if (line_.empty() || outlives_its_status(leases_, calls_.queue()) != nullptr) return;
-  bool proving = false;  // requests behind one that is being proved keep their place
+  bool proving = false;  // later requests wait behind one whose proof is being derived
   line_.remove_if([&](StatusRequest& request, std::size_t before) {
     proving = proving || !request.proof;
     return !proving && answer(request, before);
@@ -277,7 +277,7 @@ void StatusGrants::close() {
   roster_.close();
 }
 
-// The end of a status
+// The functions below are about the end of a status.
 
 void StatusGrants::release(ServerSession& session, const GecosObject_release_arguments& asked) {
   using Commands = access::LeaseTable::Commands;
@@ -323,9 +323,11 @@ std::optional<Failure> StatusGrants::take_over(ServerSession& session) {
     return status_refusal(setup_.name + ": " + taken.error().text,
                           shown_to_clients(taken.error().holders, now));
   }
-  log_info("server", setup_.name + ": " + who(session.caller()) + " takes over");
+  log_info("server",
+           setup_.name + ": " + who(session.caller()) + " takes sole command of the status");
   setup_.audit->status("taken_over", session);
-  standings_.note_newer_epoch(leases_);  // before all that tells the epoch: replies and ends
+  // Must come before replies and the ends of commands, which tell clients the new epoch.
+  standings_.note_newer_epoch(leases_);
   note_change();
   calls_.end_commands(
       [&](const ServerCall& call) {
@@ -338,7 +340,8 @@ std::optional<Failure> StatusGrants::take_over(ServerSession& session) {
 void StatusGrants::give_back(ServerSession& session) {
   if (!leases_.give_back(session.id())) return;
   note_change();
-  log_info("server", setup_.name + ": " + who(session.caller()) + " gives back");
+  log_info("server",
+           setup_.name + ": " + who(session.caller()) + " gives sole command of the status back");
   setup_.audit->status("given_back", session);
 }
 

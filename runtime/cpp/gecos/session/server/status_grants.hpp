@@ -45,7 +45,8 @@ class StatusGrants {
   /// Returns the current time by the clock of the leases. This clock does not advance while this
   /// process is suspended.
   TimePoint now() const { return clock_.now(); }
-  /// Advances the clock of the leases to `now`, a time of the system's clock, and returns its time.
+  /// Advances the clock of the leases to `now`, a time of the system's clock. Returns the new time
+  /// of the clock of the leases.
   TimePoint advance(TimePoint now) { return clock_.advance(now); }
   /// Returns whether a request for the status, or a question about requests or holders, waits.
   bool somebody_waits() const { return line_.somebody_waits() || roster_.somebody_waits(); }
@@ -123,7 +124,7 @@ class StatusGrants {
   const NameClaim& claim_;
   ObjectCalls& calls_;
   access::LeaseTable leases_;
-  SuspendAwareClock clock_;  ///< for leases and peer time-outs
+  SuspendAwareClock clock_;  ///< the clock for leases and peer time-outs
   StatusLine line_;
   RosterWatch roster_;
   Prover& prover_;

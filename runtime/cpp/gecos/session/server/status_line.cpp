@@ -116,7 +116,7 @@ bool StatusLine::waits(const StatusRequest& request) const {
   return request.proof && request.give_up > clock_.now();
 }
 
-// Questions about the line
+// The functions below handle questions about waiting requests.
 
 void StatusLine::ask(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                      const GecosObject_requests_arguments& asked) {

@@ -22,9 +22,9 @@ struct StatusRequest {
   double patience = 0;  ///< as the client gave it, in s
   TimePoint give_up{};
   TimePoint arrived{};
-  std::uint64_t id = 0;                  ///< by which holders deny it; set by StatusLine::add
-  std::optional<access::Proof> proof{};  ///< nullopt while it is derived from the password
-  bool compared = false;                 ///< its password was wrong and has been counted
+  std::uint64_t id = 0;  ///< the id by which holders deny the request; set by StatusLine::add
+  std::optional<access::Proof> proof{};  ///< nullopt while the proof is derived from the password
+  bool compared = false;  ///< the password of the request was wrong and was counted as wrong
   /// The number of earlier requests that was last sent to the client.
   std::optional<std::size_t> reported{};
 };

@@ -82,7 +82,7 @@ std::uint64_t StreamPort::newest_number() const {
 
 void StreamPort::publish(ByteView sample, const SampleTime& time) {
   const MutexLock lock(mutex_);
-  if (lent_.first != nullptr) {  // its memory is that of the next sample
+  if (lent_.first != nullptr) {  // the lent memory is that of the next sample
     ++dropped_;
     if (std::exchange(complained_, true)) return;
     log_error("session", "a sample of the " + named() + " is not published: " + still_lent);
@@ -115,7 +115,8 @@ void StreamPort::distribute(const media::StreamWriter* written) {
   }
   clear_.send(sample, [&](std::string_view medium) {
     mutex_.assert_held();
-    if (!writers_.contains(medium)) drop(sample.size(), medium);  // else it is counted already
+    // If the medium has a writer, the loop above has counted the dropped sample.
+    if (!writers_.contains(medium)) drop(sample.size(), medium);
   });
 }
 
@@ -144,7 +145,8 @@ tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
   }
   // A program in another language may still hold the memory of an earlier loan.
   if (lent_.own.use_count() != 1) lent_.own = std::make_shared<Bytes>();
-  std::atomic_thread_fence(std::memory_order_acquire);  // after the last use by its borrower
+  // The last use of the memory by its borrower must be visible before the memory is reused.
+  std::atomic_thread_fence(std::memory_order_acquire);
   lent_.own->resize(size + measured_bytes);
   lent_.first = lent_.own->data();
   lent_.whole = *lent_.own;

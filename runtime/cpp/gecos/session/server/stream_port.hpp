@@ -65,10 +65,11 @@ class StreamPort {
 
  private:
   struct Lent {
-    const std::byte* first = nullptr;       ///< null if nothing is lent
-    std::span<std::byte> whole{};           ///< with the measurement time
-    media::StreamWriter* writer = nullptr;  ///< whose memory it is; null if it is `own`
-    std::shared_ptr<Bytes> own{};           ///< private memory, which is used again
+    const std::byte* first = nullptr;  ///< null if nothing is lent
+    std::span<std::byte> whole{};      ///< the lent memory, with room for the measurement time
+    /// The writer that lent the memory; null if the memory is `own`.
+    media::StreamWriter* writer = nullptr;
+    std::shared_ptr<Bytes> own{};  ///< private memory, which later loans use again
   };
 
   /// Returns the latest sample with its measurement time. @pre kept_
@@ -90,21 +91,22 @@ class StreamPort {
   Mutex mutex_;
   std::map<std::string_view, std::unique_ptr<media::StreamWriter>> writers_
       GECOS_GUARDED_BY(mutex_);
-  /// Sends while the mutex is held, as the writers of the media do, so that the samples of several
-  /// publishing threads leave in the order of their numbers. Has channels for an @open_stream only.
+  /// Like the writers of the media, `clear_` sends while the mutex is held, so that the samples of
+  /// several publishing threads leave in the order of their numbers. Has channels for an
+  /// @open_stream only.
   ClearSender clear_ GECOS_GUARDED_BY(mutex_);
   /// The latest sample, with the measurement time appended.
   Bytes latest_ GECOS_GUARDED_BY(mutex_);
-  /// The writer whose memory has the latest sample, which was written in place; null if `latest_`
-  /// has it.
+  /// The writer whose memory contains the latest sample, if that sample was written in place; null
+  /// if `latest_` contains the latest sample.
   media::StreamWriter* latest_in_ GECOS_GUARDED_BY(mutex_) = nullptr;
   Lent lent_ GECOS_GUARDED_BY(mutex_);
   std::int64_t latest_stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
-  bool kept_ GECOS_GUARDED_BY(mutex_) = false;  ///< latest() is for readers that come later
+  bool kept_ GECOS_GUARDED_BY(mutex_) = false;  ///< the latest sample is kept for later subscribers
   bool closed_ GECOS_GUARDED_BY(mutex_) = false;
   bool complained_ GECOS_GUARDED_BY(mutex_) = false;
   std::uint64_t samples_ GECOS_GUARDED_BY(mutex_) = 0;
-  std::uint64_t bytes_ GECOS_GUARDED_BY(mutex_) = 0;    ///< of the values of all samples
+  std::uint64_t bytes_ GECOS_GUARDED_BY(mutex_) = 0;    ///< total size of the values of all samples
   std::uint64_t dropped_ GECOS_GUARDED_BY(mutex_) = 0;  ///< samples too large for a medium
 };
 

@@ -9,8 +9,8 @@
 
 namespace gecos::session {
 
-/// Knows whether the client of one session may do everything that its status allows, or is only a
-/// visitor (access/visitors.hpp). Thread-safe.
+/// Records whether the client of one session may do everything that the status of the client
+/// allows, or is only a visitor (access/visitors.hpp). Thread-safe.
 class Visit {
  public:
   /// Must be called once, when the session is opened. `visitor`: the user of the client if it is a

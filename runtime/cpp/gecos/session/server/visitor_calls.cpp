@@ -25,7 +25,8 @@ bool may_visit(const ObjectSetup& setup, const wire::PacketView& packet, Functio
   using BuiltIn = GecosObjectInterface;
   if (!is_builtin(code)) return opens(setup, code);
   if (code == BuiltIn::subscribe.code) {
-    if (packet.header.flags == sent_again) return true;  // take_again() checks the call inside
+    // take_again() checks the call that is sent again.
+    if (packet.header.flags == sent_again) return true;
     const auto asked = layout::from_bytes<GecosObject_subscribe_arguments>(packet.body);
     return !asked || opens(setup, FunctionCode{asked->code});
   }

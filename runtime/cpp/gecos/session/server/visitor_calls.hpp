@@ -22,10 +22,10 @@ std::string refusal_to_visit(const ObjectSetup& setup,
                              const std::vector<std::shared_ptr<ServerSession>>& sessions,
                              const access::UserAtHost& who);
 
-/// If the client is a visitor and may not use the operation, replies to the call in `packet`,
-/// counts it and returns true. A visitor may use the built-in operations that tell what the object
-/// is, and the operations that the object opens to visitors (session::Visitors). Requires the
-/// object's mutex.
+/// If the client is a visitor and may not use the operation, refuses the call in `packet`, counts
+/// the refusal and returns true. Otherwise returns false. A visitor may use the built-in operations
+/// that tell what the object is, and the operations that the object opens to visitors
+/// (session::Visitors). Requires the object's mutex.
 bool refuse_visitor(const ObjectSetup& setup, CallStatistics& statistics, ServerSession& session,
                     const wire::PacketView& packet);
 

@@ -15,8 +15,8 @@ class Runtime;
 
 /// Reads from a zone (idl/gecos/presence.gidl) whether a person is present, and tells the objects
 /// of a server that are in the zone. While the zone cannot be reached, tells the objects the
-/// reason. Uses its own sessions with the broker and the zone, which stay open when the program
-/// closes its Lab.
+/// reason. Uses sessions of its own with the broker and the zone. These sessions stay open when the
+/// program closes its Lab.
 class ZoneWatch {
  public:
   ZoneWatch(std::shared_ptr<Runtime> runtime, std::string zone);
