@@ -59,7 +59,9 @@ def says_something(line: str) -> bool:
 
 
 def is_prose(text: str) -> bool:
-    return len(WORD.findall(text)) >= 4 and " " in text.strip()
+    """Whether `text` is a sentence, and not a line of generated code."""
+    is_code = text.rstrip().endswith((";", "{", "}"))
+    return len(WORD.findall(text)) >= 4 and " " in text.strip() and not is_code
 
 
 def of_cpp(path: Path) -> Iterator[tuple[str, int, str]]:
@@ -84,7 +86,11 @@ def of_cpp(path: Path) -> Iterator[tuple[str, int, str]]:
 
 def no_text(node: ast.AST) -> list[ast.expr]:
     """Strings in `node` that no user reads: lists of names, which are split, and patterns."""
-    if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+    if not isinstance(node, ast.Call):
+        return []
+    if isinstance(node.func, ast.Name) and node.func.id == "words":
+        return node.args
+    if not isinstance(node.func, ast.Attribute):
         return []
     if node.func.attr == "split":
         return [node.func.value]

@@ -28,8 +28,8 @@ class NextConfiguration {
     if (wanted_.size() == most_sessions) wanted_.pop_front();
     wanted_.emplace_back(issuer, wanted);
   }
-  /// Sets the configuration again, because the joint move for which it was taken was refused. Does
-  /// nothing if the session has set another one since.
+  /// Sets the configuration `taken` again. Must be called when the joint move for which take() has
+  /// returned it was refused. Does nothing if the session has set another configuration since.
   void give_back(const Issuer& issuer, const robcl::arm::Configuration& taken) {
     const gecos::MutexLock lock(mutex_);
     const auto of_session = [&](const auto& known) {

@@ -25,7 +25,7 @@ def test_the_first_list_of_a_file_is_told_of_once(tmp_path: Path, table: str) ->
     edit(file, PROGRAM + f'[{table}]\nuser = ["anna"]\n', 2)
     assert lists.appeared() == "", "it has an error"
     edit(file, PROGRAM + f'[{table}]\nusers = ["anna"]\n', 3)
-    assert lists.appeared().startswith(f"{file} has lists of users or objects now")
+    assert lists.appeared().startswith(f"{file} now has lists of users or objects")
     edit(file, PROGRAM + f'[{table}]\nusers = ["ben"]\n', 4)
     assert lists.appeared() == ""
 

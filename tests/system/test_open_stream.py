@@ -247,8 +247,8 @@ def test_policy_says_whether_a_stream_is_sent_in_clear(
 
     file.write_text("")
     assert told("readings") == (
-        "readings is an open stream: over lcm, everybody who receives its packets reads its "
-        "samples, whatever the lists say",
+        "readings is an open stream: over lcm, everybody on the network can read its samples, "
+        "whatever the lists say",
         True,
     )
     assert told("sealed") == ("reading sealed needs no status, for every caller", False)

@@ -98,7 +98,7 @@ def test_lists_that_are_added_later_are_told_of_once(lab: Laboratory, tmp_path: 
     up = lab.start(*GECOS, "up", file, ready="A is ready; Ctrl-C ends them")
     file.write_text(f'{program}[objects.LDS.allow]\nuser = ["anna"]\n')  # with an error
     file.write_text(f'{program}[objects.LDS.allow]\nusers = ["anna"]\n')
-    told = f"up: {file} has lists of users or objects now, which the running programs do not read"
+    told = f"up: {file} now has lists of users or objects. The running programs do not read these"
     up.wait_for(told)
     up.signal(signal.SIGINT)
     assert up.finish() == 0, str(up)

@@ -83,9 +83,9 @@ TEST_F(Channels, OfTheirOwnCarryNoStreamThatDemandsAStatus) {
   EXPECT_EQ(refused.error().detail, gecos::Detail::QosUnavailable);
   EXPECT_EQ(
       refused.error().text,
-      "'level' of PROBE was not opened over the 'in' channel, shm: the stream demands a status, "
-      "but only the session of the 'out' channel can have a status; create the proxy with one "
-      "medium for both directions");
+      "'level' of PROBE was not opened: readers of the stream need a status, but samples would "
+      "arrive over the 'in' channel (shm), and only the 'out' channel can have a status; create "
+      "the proxy with one medium for both directions");
 }
 
 class HardProbe : public probe::Probe {

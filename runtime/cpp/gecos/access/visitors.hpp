@@ -104,7 +104,7 @@ class VisitorBook {
   void forget_revoked_if_unused() GECOS_REQUIRES(mutex_);
 
   mutable Mutex mutex_;
-  /// The list of each object, by the name of the object.
+  /// For each object, by its name: the list of the users and hosts that its program admits.
   std::map<std::string, Listed> lists_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t changes_ GECOS_GUARDED_BY(mutex_) = 0;
   std::vector<RevokedUser> revoked_ GECOS_GUARDED_BY(mutex_);

@@ -23,7 +23,8 @@ struct RequestId {
 /// Returns the request as three hexadecimal numbers, in the form of to_string(CommandId).
 std::string to_string(const RequestId& id);
 
-/// One event. A member that is empty or 0 does not occur in the text of the line.
+/// A line of the audit, which describes one event. to_json() leaves out the members that are empty
+/// or 0.
 struct Line {
   std::string_view event;  ///< for example "command"; a literal
   std::int64_t time = 0;   ///< Unix time in ms

@@ -15,7 +15,7 @@ _OWNER = click.option(
     "--as",
     "owner",
     metavar="USER@HOST",
-    help="Owner of your key; default: this user, this host.",
+    help="The name under which your key is admitted; default: your user and this host.",
 )
 
 

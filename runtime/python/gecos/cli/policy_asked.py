@@ -153,7 +153,7 @@ def about_open_stream(name: str, forbidden_by: str) -> str:
     if forbidden_by:
         said = f"{forbidden_by} forbids it: no sample is sent in clear"
         return f"{name} is an open stream, and {said}"
-    said = "over lcm, everybody who receives its packets reads its samples, whatever the lists say"
+    said = "over lcm, everybody on the network can read its samples, whatever the lists say"
     return f"{name} is an open stream: {said}"
 
 

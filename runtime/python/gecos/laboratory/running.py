@@ -165,7 +165,7 @@ class _Process:
 
 
 class RunningLaboratory:
-    """The processes of a laboratory, whose working directory is `folder`."""
+    """The processes of a laboratory. They run in the working directory `folder`."""
 
     def __init__(self, environment: Mapping[str, str], folder: Path, report: Report) -> None:
         self._report = report
@@ -281,10 +281,10 @@ def running(
 
 
 def _broker_of(laboratory: LaboratoryDescription, named: str) -> str:
-    """Returns the address of the broker for the programs. The programs get this address, because
-    they may read the lab file of the host, and that file may name another broker.
-    `named` is the value of GECOS_BROKER. Raises LaboratoryError if this laboratory starts a broker,
-    which is at the address `shm`, and `named` is another address."""
+    """Returns the address of the broker that the programs of `laboratory` must use. They are told
+    this address, so that they do not use the broker that the lab file of the host names. `named` is
+    the value of GECOS_BROKER. Raises LaboratoryError if this laboratory starts a broker, which is
+    at the address `shm`, and `named` is another address."""
     if laboratory.broker_address:
         return laboratory.broker_address
     if laboratory.starts_broker and named not in ("", "shm"):

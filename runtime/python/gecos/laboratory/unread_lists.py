@@ -39,9 +39,9 @@ class UnreadLists:
             return ""
         self._file = None
         return (
-            f"{self._shown} has lists of users or objects now, which the running programs do not "
-            "read, because the file had no lists when the programs were started; end this command "
-            "and start it again"
+            f"{self._shown} now has lists of users or objects. The running programs do not read "
+            "these lists: the file had none when the programs were started. End `gecos up` and "
+            "start it again"
         )
 
     def _state(self) -> tuple[int, int] | None:

@@ -72,7 +72,7 @@ class Fields:
             if source.remaining < struct.calcsize(">" + code):
                 source.refuse(DecodeProblem.TRUNCATED, name)
             source.number(code, name)  # an invalid boolean is reported before a later TRUNCATED
-        raise AssertionError("the numbers are truncated, but each of them can be read")
+        raise AssertionError("too few bytes for all numbers, but enough for each of them")
 
     def _unfit(self, values: tuple[Any, ...]) -> EncodeError | TypeError:
         if len(values) != len(self._codes):

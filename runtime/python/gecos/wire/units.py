@@ -8,10 +8,13 @@ from typing import Any
 
 
 def mistaken_unit(value: object, low: float, high: float, unit: str) -> str:
-    """Returns a question for the error about `value`, for example "; is the value in degrees?". The
-    text is empty unless `value` is outside the range from `low` to `high`, but would be inside it
-    as a number of degrees or millimetres instead of `unit`. Only values above pi rad count as
-    degrees, and only values of at least 1 m as millimetres. C++ computes the same text."""
+    """Returns a question to append to an error about `value`, such as "; is the value in degrees?".
+    Returns "" if there is no reason to ask.
+
+    The question about degrees is asked if `unit` is "rad", and if `value` is outside the range from
+    `low` to `high`, is greater than pi, and would be inside the range after a conversion from
+    degrees. The question about millimetres is asked likewise if `unit` is "m" and `value` is at
+    least 1. C++ computes the same text."""
     if not isinstance(value, int | float) or low <= value <= high:
         return ""
     if unit == "rad" and abs(value) > math.pi and low <= value * math.pi / 180 <= high:

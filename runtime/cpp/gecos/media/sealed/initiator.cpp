@@ -109,11 +109,11 @@ std::string HandshakeInitiator::trouble() const {
       return "we refused the server that answered: " + not_admitted_->why;
   }
   return "no server answers, or the server does not admit our key " +
-         keys_->own.public_key().short_name() +
-         "; if the key is the problem, the user of the server gets a copy of " +
+         keys_->own.public_key().short_name() + "; if the key is the problem, give a copy of " +
          keys_->directory.path() + "/" + keys_->own.public_key().to_string() +
-         ".public and runs `gecos keys add FILE " + user_name(::geteuid()) + "@" + host_name() +
-         "` with it" + options_.network->advice();
+         ".public to the user who runs the server; that user runs `gecos keys add FILE " +
+         user_name(::geteuid()) + "@" + host_name() + "` with the copy" +
+         options_.network->advice();
 }
 
 }  // namespace gecos::media

@@ -30,8 +30,8 @@ class HandshakeInitiator {
 
   /// Sends the messages that are due. Does nothing after a sealed packet of the server has arrived.
   void advance();
-  /// Processes a message that the server sends before the channel is open. The kind of the message
-  /// is Key or Second.
+  /// Processes a message of the handshake from the server. The kind of the message is Key (the
+  /// public key of the server) or Second (the second message of the Noise handshake).
   void take(const DatagramHeader& header, ByteView frame);
   /// Returns a text for the user that says why there is no connection yet. The text is empty after
   /// the server has answered on the channel.

@@ -140,9 +140,11 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
     return tl::unexpected(Failure{
         Detail::QosUnavailable,
         "'" + std::string(stream.name) + "' of " + object_name() +
-            " was not opened over the 'in' channel, " + std::string(inbound_->capabilities().name) +
-            ": the stream demands a status, but only the session of the 'out' channel can have a "
-            "status; create the proxy with one medium for both directions",
+            " was not opened: readers of the stream need a status, but samples would arrive over "
+            "the 'in' channel (" +
+            std::string(inbound_->capabilities().name) +
+            "), and only the 'out' channel can have a status; create the proxy with one medium for "
+            "both directions",
         {},
         {}});
   }

@@ -12,8 +12,8 @@
 namespace gecos::session {
 
 /// The origin of a sample of an inward stream. It precedes the value in every sample that a client
-/// sends. Samples correct motions. Therefore a sample that was sent for another command, or under a
-/// status that has ended, must have no effect, even if the sample arrives late.
+/// sends. The server uses it to ignore samples that arrive late: a sample that was sent for an
+/// earlier command, or under a status that has ended, must not correct a later motion.
 struct InwardHeader {
   SessionId session{};
   Epoch epoch{};  ///< the epoch of the status under which the client sends the sample

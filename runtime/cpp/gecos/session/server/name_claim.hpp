@@ -37,8 +37,8 @@ class NameClaim {
     if (standing() != Standing::Taken) change(Standing::Asked);
   }
 
-  // Each of the following functions records an answer of the broker and returns whether the
-  // standing changed.
+  // Each of the following functions records an answer of the broker, and returns whether the answer
+  // has changed the result of standing().
   bool held(std::uint64_t question) {
     if (question != question_ || standing() == Standing::Unregistered) return false;
     why_.clear();

@@ -280,8 +280,8 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
   take_early(session);
 }
 
-/// Refuses a call that was unread for too long, for example while this process was suspended. By
-/// then its client has reported OUTCOME_UNKNOWN, or the client still queries the outcome.
+/// Refuses a call that was unread for too long, for example while this process was suspended. Its
+/// client has given the call up after that time, and must not see it start.
 void SessionPackets::refuse_late(ServerSession& session, const wire::PacketView& packet) {
   const wire::PacketHeader& call = packet.header;
   const std::string why =

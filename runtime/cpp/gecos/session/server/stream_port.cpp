@@ -231,9 +231,10 @@ void StreamPort::move_on(std::string_view medium) {
   try {
     found->second->move_on();
   } catch (const std::exception& failed) {  // no memory or no descriptor is left
-    log_error("session", named() +
-                             " cannot be moved to memory that an excluded client cannot read: " +
-                             failed.what() + "; the stream is closed over " + std::string(medium));
+    log_error("session", named() + " is closed over " + std::string(medium) +
+                             ": a client was excluded, and there is no new memory for the samples, "
+                             "which this client could not read: " +
+                             failed.what());
     forget(found->second.get());
     writers_.erase(found);
   }
