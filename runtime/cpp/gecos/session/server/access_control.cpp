@@ -15,7 +15,7 @@
 namespace gecos::session {
 namespace {
 
-/// Maximum time for which `read` waits while a program is writing the file.
+/// Maximum time for which `read` waits while a program is writing the lab file.
 constexpr Duration longest_wait = std::chrono::seconds(3);
 constexpr Duration between_reads = std::chrono::milliseconds(25);
 /// A decision waits at most this long for the lab file to be read. After this time, the decision

@@ -43,8 +43,8 @@ class AccessControl {
   /// zone. Uses the lists that were read last.
   std::string zone_of(const std::string& object);
 
-  /// Admits these users and hosts. Users and hosts that only an earlier call named are no longer
-  /// admitted.
+  /// Sets the list of the program: from now on the program admits `users` and `hosts`, and no
+  /// longer the users and hosts of an earlier call.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts);
 
   /// Returns the users whom both the program and the lab file admit to `object`
@@ -66,8 +66,9 @@ class AccessControl {
     std::string text{};    ///< a sentence for people, like AccessDecision::text
     bool visitor = false;  ///< admitted as a visitor only (access/visitors.hpp)
   };
-  /// Decides about a client that connects. While the server is out of contact with the broker, no
-  /// client whose key has an owner is admitted.
+  /// Decides whether `peer`, a client that connects, is admitted. While the server is out of
+  /// contact with the broker, no client that proves its user by a key is admitted, because the
+  /// laboratory may have revoked this user.
   Judgement judge(const std::string& object, const media::Peer& peer) noexcept;
   /// Decides whether `peer` may stay connected to the object. Uses the lists that were read last,
   /// and does not wait.
@@ -98,7 +99,8 @@ class AccessControl {
  private:
   access::UserAtHost user_of(const media::Peer& peer, const std::string& host);
   Judgement judge_by_lists(const std::string& object, const media::Peer& peer) noexcept;
-  /// Decides about a client that no list admits.
+  /// Decides whether the client `peer` of the user `who`, whom no list admits, is admitted as a
+  /// visitor. `refusal`: the text of the decision if the client is refused.
   /// @param server the user of this server, and the server's host
   Judgement judge_visitor(const std::string& object, const media::Peer& peer,
                           const access::UserAtHost& server, const access::UserAtHost& who,
@@ -117,7 +119,7 @@ class AccessControl {
   access::AccessPolicy policy_ GECOS_GUARDED_BY(mutex_);
   /// The lists that `policy_` uses.
   std::shared_ptr<const access::LabAccess> lists_ GECOS_GUARDED_BY(mutex_);
-  /// Null: there are no visitors.
+  /// The users whom the broker admits as visitors; null if there are none.
   std::shared_ptr<const Visitors> visitors_ GECOS_GUARDED_BY(mutex_);
 };
 

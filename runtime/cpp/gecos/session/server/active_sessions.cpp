@@ -49,9 +49,9 @@ bool ActiveSessions::put_to_sleep(FunctionRef<void(const Session&)> part_if_lost
   return sessions_.empty();
 }
 
-/// Does not count a client that sleeps on another core, because such a client sends nothing soon.
-/// Counts a client that sleeps on this core: a reply of this server may just have woken that
-/// client, which then waits until this thread leaves the core.
+/// Does not count a client that sleeps on another core, because such a client will not send
+/// anything soon. Counts a client that sleeps on this core: a reply of this server may just have
+/// woken that client, which then waits until this thread leaves the core.
 media::Peers ActiveSessions::peers() const {
   const std::int32_t mine = running_core();
   bool here = false;

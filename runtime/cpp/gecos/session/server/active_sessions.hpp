@@ -10,9 +10,9 @@
 
 namespace gecos::session {
 
-/// The sessions of a server whose connections are polled. The connections of all other sessions
-/// sleep: a packet on such a connection wakes the server through a descriptor. Not thread-safe:
-/// used only by the thread that polls.
+/// The active sessions of a server: a thread polls their connections. The connections of all other
+/// sessions of the server sleep: a packet on such a connection wakes the server through a
+/// descriptor. Not thread-safe: used only by the thread that polls.
 class ActiveSessions {
  public:
   using Session = std::shared_ptr<ServerSession>;
@@ -29,8 +29,8 @@ class ActiveSessions {
   /// Puts to sleep the connections that have been silent for a while.
   void retire_idle(TimePoint now);
   /// Puts all connections to sleep, except those on which a packet has arrived and those that are
-  /// lost. Calls `part_if_lost` for the sessions of these exceptions. Returns true when all
-  /// connections sleep.
+  /// lost. Calls `part_if_lost` for each session whose connection does not sleep. Returns true when
+  /// no active session is left.
   bool put_to_sleep(FunctionRef<void(const Session&)> part_if_lost);
   void clear() { sessions_.clear(); }
 
@@ -39,7 +39,8 @@ class ActiveSessions {
 
  private:
   std::vector<Session> sessions_;
-  std::vector<Session> still_active_;  ///< reused by put_to_sleep, which thus rarely allocates
+  /// Used only by put_to_sleep. It is a member, so that put_to_sleep rarely allocates memory.
+  std::vector<Session> still_active_;
 };
 
 }  // namespace gecos::session

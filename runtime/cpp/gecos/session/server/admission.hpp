@@ -25,7 +25,7 @@ struct CallRequest {
   SessionId session{};
   Epoch epoch{};                   ///< epoch of the status under which the call was issued
   std::uint64_t counter = 0;       ///< number of the call in the session
-  const Caller* caller = nullptr;  ///< null: not known
+  const Caller* caller = nullptr;  ///< null: the caller is not known
 };
 
 /// The called object. `now`: the current time by the clock of the object's leases.
@@ -51,8 +51,8 @@ struct CallerState {
 };
 
 /// Returns why a queued call must not start; nullopt when it may start. The conditions are checked
-/// again, because leases may have ended since the call was queued. `late`: the result of
-/// not_in_time() if the call must not start any more.
+/// again, because leases may have ended since the call was queued. `late`: if the call has missed
+/// its deadline or its latest start, the result of not_in_time(); otherwise nullopt.
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
                                         const CallerState& caller, std::optional<Failure> late);
 
@@ -60,15 +60,16 @@ std::optional<Failure> refusal_to_start(const CallRequest& call, const Admitting
 bool needs_presence(const OperationDescription& operation);
 
 /// If calls of `operation` need a person and nobody is known to be present in the zone of `object`,
-/// returns the failure of such a call: it must neither be queued nor start. Otherwise returns
-/// nullopt.
+/// returns the failure with which such a call ends, because the call must neither be queued nor
+/// start. Otherwise returns nullopt.
 std::optional<Failure> refusal_for_absence(const OperationDescription& operation,
                                            std::string_view object,
                                            const access::ObjectPresence& presence,
                                            TimePoint since_boot);
 
-/// Returns the failure of a call that did not start in time: before its deadline or, if
-/// `missed_start` is true, within the `start_by` of its operation.
+/// Returns the failure of a call that did not start in time. If `missed_start` is true, the call
+/// did not start within the `start_by` of its operation. Otherwise it did not start before its
+/// deadline.
 Failure not_in_time(const OperationDescription& operation, bool missed_start);
 
 /// Converts `left`, the time until the deadline of a call, to the moment of the deadline. Returns

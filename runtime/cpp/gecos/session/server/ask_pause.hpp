@@ -10,8 +10,8 @@ namespace gecos::session {
 
 /// The pause before a server asks the broker again: 200 ms. While the broker refuses the server,
 /// each pause is twice as long as the previous pause, up to 2 s, so that the server does not fill
-/// the audit of the broker. When an edit of the lab file admits the server's user again, the server
-/// is registered within about 2 s.
+/// the audit of the broker. Once the lab file admits the server's user again, the server is
+/// registered within about 2 s.
 class AskPause {
  public:
   static constexpr Duration shortest = std::chrono::milliseconds(200);

@@ -6,9 +6,9 @@
 namespace gecos::session {
 namespace {
 
-/// Returns the detail with which the commands end that are left out after a command that ended with
-/// `cause`. After NOT_STARTED, they end as NOT_STARTED, too, because this detail promises the
-/// caller that the command may be sent again.
+/// Returns the detail of the commands that are left out because an earlier command ended with the
+/// detail `cause`. After NOT_STARTED, the commands that are left out end as NOT_STARTED, too: this
+/// detail tells the caller that the command may be sent again.
 Detail detail_after(Detail cause) {
   return cause == Detail::Canceled || cause == Detail::NotStarted ? cause : Detail::Rejected;
 }
@@ -90,12 +90,14 @@ void BlendChain::begin_at(std::uint64_t counter) {
 
 void BlendChain::failed(Failed failed) {
   const std::uint64_t counter = failed.counter;
-  if (Unseen* const before = find(counter)) {  // canceled while it ran: noted already
+  // If the command was canceled while it ran, the failure was noted at the cancel.
+  if (Unseen* const before = find(counter)) {
     before->failed = std::move(failed);
     return;
   }
   if (failures_.size() >= most_known) drop_known();
-  // The failure that is dropped here is covered by an earlier failure.
+  // The failure that is dropped here is not needed: an earlier failure, which the program does not
+  // know, leaves out the same commands.
   if (failures_.size() >= most_known) failures_.pop_back();
   Unseen failure{std::move(failed)};
   if (counter < begin_) failure.seen_from = begin_;
@@ -128,7 +130,7 @@ void BlendChain::drop_known() {
 
 std::optional<BlendChain::LeftOut> BlendChain::left_out(std::uint64_t counter,
                                                         const std::string& what) const {
-  std::uint64_t covered = 0;  // failures of commands before this one do not matter
+  std::uint64_t covered = 0;  // failures of commands with lower counters do not matter
   for (const Unseen& failure : failures_) {
     // This failure is covered: it belongs to a command that was left out because of an earlier
     // failure, and the program has continued although it knew the earlier failure.

@@ -65,7 +65,7 @@ class BlendChain {
 
  private:
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
-  /// Maximum number of `failures_`, and of `expected_`.
+  /// Maximum number of elements of `failures_`, and of elements of `expected_`.
   static constexpr std::size_t most_known = 256;
 
   struct Unseen {
@@ -77,9 +77,10 @@ class BlendChain {
 
     /// Returns the counter of the first command that the program issued after it knew the failure.
     std::uint64_t known_from() const;
-    /// Returns the counter of the first command that the program issued after it had seen the
-    /// failure, or had canceled the failed command and the cancel ended that command. With the new
-    /// command the program has decided to continue.
+    /// Returns the counter of the first command by which the program has decided to continue: the
+    /// first command that the program issued after it had seen the failure. If the failed command
+    /// ended because the program canceled it, a command that was issued after the cancel counts,
+    /// too.
     std::uint64_t went_on_from() const;
     /// Returns the counter of the first command whose own failure matters in addition to this
     /// failure. The commands before it would have been left out because of this failure.
@@ -99,7 +100,8 @@ class BlendChain {
   void forget(std::uint64_t counter);
   void drop_known();
 
-  /// Failures of commands before this one do not matter for this command and later commands.
+  /// The counter of a command. Failures of earlier commands do not matter for this command and for
+  /// later commands.
   std::uint64_t begin_ = 0;
   std::uint64_t held_from_ = 0;
   std::vector<Unseen> failures_;  ///< in the order of their counters

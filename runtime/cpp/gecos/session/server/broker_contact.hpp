@@ -17,16 +17,16 @@ namespace gecos::session {
 
 class ClientConnection;
 
-/// Knows which users the laboratory has revoked. A server asks the broker for this list once a
-/// second. A server that got no answer for the time `known_for` may have missed a revocation: the
-/// server is out of contact.
+/// Keeps the list of the users whom the laboratory has revoked. The server asks the broker for this
+/// list once a second. If the broker has not answered for the time `known_for`, the server may have
+/// missed a revocation: the server is then out of contact.
 ///
 /// A server without a broker, such as the server of the broker itself, is never out of contact.
 /// Thread-safe.
 class BrokerContact {
  public:
-  /// The time for which an answer counts. It is shorter than the 5 s within which a revocation must
-  /// act.
+  /// The time for which an answer of the broker counts. This time is shorter than the 5 s within
+  /// which a revocation must take effect.
   static constexpr Duration known_for = std::chrono::seconds(3);
 
   explicit BrokerContact(const Clock& clock) : clock_(clock) {}

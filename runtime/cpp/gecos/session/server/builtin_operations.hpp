@@ -28,8 +28,9 @@ class BuiltinOperations {
         statuses_(statuses),
         user_callbacks_(user_callbacks) {}
 
-  /// Carries out the call in `packet` and replies to it. SessionPackets serves GecosObject::outcome
-  /// instead, because that operation changes which calls the sessions accept.
+  /// Carries out the call in `packet` and replies to it. Must not be called for
+  /// GecosObject::outcome: SessionPackets serves that operation, because it changes which calls the
+  /// sessions accept.
   void answer(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
 
  private:
@@ -44,7 +45,8 @@ class BuiltinOperations {
   void release(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void take_over(ServerSession& session, std::uint64_t counter);
   void give_back(ServerSession& session, std::uint64_t counter);
-  /// Refuses a client that may not use the operation `asked`, and records the refusal in the audit.
+  /// Refuses a call of the operation `asked`, which the client may not use, and records the refusal
+  /// in the audit. `why`: the reason.
   void refuse(ServerSession& session, std::uint64_t counter, const OperationDescription& asked,
               const std::string& why);
   void requests(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,

@@ -19,7 +19,8 @@ void CallRunner::run_ready(Starter starter, std::shared_ptr<ServerCall> started)
   auto call = started ? std::move(started) : next();
   while (call) {
     if (starter == Starter::Other || object_.setup.runs_long(call->operation())) {
-      // `call` keeps its object alive, and the object owns this CallRunner.
+      // The job may use `this` later: `call` keeps its object alive, and the object owns this
+      // CallRunner.
       const bool posted = executor_.post([this, call] {
         run_ready(Starter::Worker, begins(*call) ? execute(call, Starter::Worker) : nullptr);
       });

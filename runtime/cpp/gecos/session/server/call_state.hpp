@@ -88,7 +88,7 @@ class CallState {
   bool misses_start(TimePoint since_boot) const {
     return start_by_ != TimePoint::max() && !begun_at_ && since_boot >= start_by_;
   }
-  /// Returns the detail that the caller sees. @pre !ended()
+  /// Returns the detail of the call as its caller sees it, for example Queued. @pre !ended()
   Detail detail() const {
     return canceling() ? Detail::Canceling : queued() ? Detail::Queued : Detail::Executing;
   }

@@ -53,7 +53,7 @@ class CallStatistics {
   /// Returns the time by Clock::now since which calls are counted.
   TimePoint since() const { return since_; }
 
-  /// Must be called first for each call that is queued.
+  /// Must be called for each call that is queued, before the functions below.
   void queued(ServerCall& call);
   /// Must be called when the handler of `call` begins. `since_boot`: the time at which the handler
   /// begins, possibly one kernel tick too early. `long_running`: the handler runs on a worker
@@ -74,7 +74,7 @@ class CallStatistics {
   std::vector<OperationStats> shown() const;
 
  private:
-  /// Returns the counts of `operation`. The reference is valid as long as this object.
+  /// Returns the counts of `operation`. The reference is valid as long as this object exists.
   OperationCounts& of(const OperationDescription& operation) {
     if (last_ != &operation) find(operation);
     return *last_counts_;

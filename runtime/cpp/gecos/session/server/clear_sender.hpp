@@ -29,7 +29,7 @@ class ClearSender {
   /// while the send buffer of the socket is full, until the network card of this host has sent a
   /// part of the buffer. No reader can make the call wait.
   void send(ByteView sample, FunctionRef<void(std::string_view medium)> too_large);
-  /// After this call, nothing is sent.
+  /// Drops all channels. After this call, `send` sends nothing.
   void end() { channels_.clear(); }
 
  private:

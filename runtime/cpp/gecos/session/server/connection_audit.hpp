@@ -20,7 +20,7 @@ namespace gecos::session {
 /// for one reason, and for the admissions of one visitor.
 class ConnectionAudit {
  public:
-  /// `now`: returns the time for the lines, like audit::now.
+  /// `now`: the function that returns the current time for each line of the audit.
   explicit ConnectionAudit(std::shared_ptr<audit::Audit> audit, std::int64_t (*now)() = audit::now)
       : now_(now), lines_("", audit), audit_(std::move(audit)) {}
   ~ConnectionAudit() { end(); }

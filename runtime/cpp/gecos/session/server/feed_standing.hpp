@@ -10,10 +10,10 @@
 
 namespace gecos::session {
 
-/// The right of one session to feed inward streams: its present epoch, and whether its samples must
-/// wait. The object writes these values with its mutex held, whenever a status begins or ends, the
-/// session ends, or a heartbeat is awaited. The ports of inward streams read the values for each
-/// sample, without the mutex.
+/// The right of one session to send samples on inward streams: the epoch under which the samples
+/// are admitted, and whether the samples must wait. The object writes these values with its mutex
+/// held, whenever a status begins or ends, the session ends, or a heartbeat is awaited. The ports
+/// of inward streams read the values for each sample, without the mutex.
 class FeedStanding {
  public:
   /// Returns the epoch under which samples of a stream that needs the status `needed` are admitted;

@@ -6,7 +6,7 @@
 
 namespace gecos::session {
 
-/// An octave from 2^n to 2^(n+1) ns has four buckets of the same width.
+/// The times of one octave, from 2^n to 2^(n+1) ns, have four buckets of the same width.
 std::size_t HandlerTimes::bucket_of(Duration took) {
   const auto ns = static_cast<std::uint64_t>(std::max(took, Duration::zero()).count());
   if (ns >> first_octave == 0) return 0;

@@ -8,10 +8,10 @@
 
 namespace gecos::session {
 
-/// Returns the weight with which the time of one call's handler counts: the number of calls that it
-/// represents. 0: the time need not be measured. `number`: the number of the call among the calls
-/// of its operation, from 0. The first 16 calls are timed, then each 16th, because reading the
-/// clock twice for each call would cost a tenth of a short call.
+/// Returns the weight of the time of one call's handler: the number of calls for which this time
+/// counts. Returns 0 if the time need not be measured. `number`: the number of the call among the
+/// calls of its operation, from 0. The first 16 calls are timed, then each 16th, because reading
+/// the clock twice for each call would cost a tenth of a short call.
 constexpr std::uint32_t timed_weight(std::uint64_t number) {
   if (number < 16) return 1;
   return number % 16 == 0 ? 16 : 0;

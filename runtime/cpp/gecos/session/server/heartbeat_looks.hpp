@@ -12,19 +12,20 @@ namespace gecos::session {
 /// share a tick.
 inline constexpr Duration tick_window = Maintenance::calm_tick;
 
-/// The time between two heartbeats of a client (docs/protocol.md), and the longest rest of a
-/// server.
+/// The time between two heartbeats of a client (docs/protocol.md), and the longest period of the
+/// heartbeats of a server.
 inline constexpr Duration heartbeat_period = std::chrono::milliseconds(100);
 
 /// Says when a server looks for the next heartbeat of a client. A heartbeat in shared memory wakes
 /// nobody, so the server must look for it, and each look wakes a thread.
 ///
-/// After a look in vain, the server looks again after `tick_window`. A heartbeat that such a look
-/// finds is at most `tick_window` old, so the next look is due one period of heartbeats later. A
-/// heartbeat that was found at the first look may be older, so the next look is due `tick_window`
-/// earlier. A client that sends heartbeats regularly costs three looks in two periods, and each
-/// heartbeat is found within `tick_window`. A heartbeat that was sent early (client_heartbeats.hpp)
-/// is found within twice that time. Reads no clock. Not thread-safe.
+/// If a look finds no heartbeat, the server looks again after `tick_window`. A heartbeat that this
+/// second look finds is at most `tick_window` old, so the next look is due one `heartbeat_period`
+/// later. If the first look already finds a heartbeat, that heartbeat may be older, so the next
+/// look is due `heartbeat_period` minus `tick_window` later. A client that sends heartbeats
+/// regularly costs three looks in two periods, and each heartbeat is found within `tick_window`. A
+/// heartbeat that was sent early (client_heartbeats.hpp) is found within twice that time. Reads no
+/// clock. Not thread-safe.
 class HeartbeatLooks {
  public:
   /// Records that the server has looked at the time `now`, and has found that the client has sent
@@ -49,8 +50,8 @@ class HeartbeatLooks {
 class OwnHeartbeats {
  public:
   /// Returns whether the tick at the time `now` sends a heartbeat. `period`: the longest time
-  /// between two heartbeats. A heartbeat that waits for a look may come up to `tick_window` later
-  /// than that.
+  /// between two heartbeats. If a heartbeat waits for a look, this time may be up to `tick_window`
+  /// longer.
   bool due(TimePoint now, Duration period) {
     if (now + Maintenance::tick < next_) return false;
     // After a tick without a look, the next heartbeat comes earlier, so that after some periods a

@@ -33,7 +33,7 @@ struct HostState final : private ObjectCalls::Observer, private StatusGrants::Pr
   StatusGrants statuses GECOS_GUARDED_BY(mutex);
   StartGate starts GECOS_GUARDED_BY(mutex);
   SessionPackets packets GECOS_GUARDED_BY(mutex);
-  PasswordProver passwords;  ///< last, so that its thread ends first
+  PasswordProver passwords;  ///< last member, so that its thread ends first
 
  private:
   void commands_ended(SessionId client) override;

@@ -68,7 +68,7 @@ class InwardPort final : public InwardCore {
     std::uint64_t number = 0;
     std::shared_ptr<const CallCore> call;
   };
-  /// Counts of samples, by verdict. A copy allocates no memory.
+  /// How many samples got each verdict. Copying this struct allocates no memory.
   struct Counts {
     FeedReport numbers;  ///< the counts; the text of the report is not set
     InwardVerdict last_refusal = InwardVerdict::Admitted;
@@ -110,7 +110,7 @@ class InwardPort final : public InwardCore {
   std::vector<std::unique_ptr<Source>> sources_ GECOS_GUARDED_BY(mutex_);
   std::size_t turn_ GECOS_GUARDED_BY(mutex_) = 0;      ///< index of the source that is read first
   Counts gone_ GECOS_GUARDED_BY(mutex_);               ///< counts of sources that are gone
-  std::vector<Feeding> fed_ GECOS_GUARDED_BY(mutex_);  ///< the last one takes the samples
+  std::vector<Feeding> fed_ GECOS_GUARDED_BY(mutex_);  ///< the last element takes the samples
   std::uint64_t feedings_ GECOS_GUARDED_BY(mutex_) = 0;
   /// The time of measurement of the newest sample that the servant took; or, if later, the time at
   /// which a command began to take samples.

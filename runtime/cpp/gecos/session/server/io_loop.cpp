@@ -297,8 +297,8 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   TimePoint next_look = at_rest ? TimePoint::max() : now + Maintenance::calm_tick;
   for (const auto& session : sessions_.all()) {
     const bool sent = session->sender().flush();
-    // A busy server notes heartbeats, too. Otherwise its first look for a heartbeat after it comes
-    // to rest could be too late.
+    // Heartbeats are noted even while the server is busy. Otherwise the first look for a heartbeat,
+    // after the server is no longer busy, could come too late.
     const TimePoint look = next_look_at(*session, sent, now);
     if (at_rest) next_look = std::min(next_look, look);
     if (beat) session->connection().beat();
@@ -314,8 +314,8 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   return handler % 2 == 1 ? now + Maintenance::tick : heartbeats_.next_tick(next_look);
 }
 
-/// Returns the time at which a server at rest must look at `session` again. `sent`: true if no
-/// packet waits to be sent to the client of `session`.
+/// Returns the time at which the maintenance thread must check `session` again while the polling
+/// thread sleeps. `sent`: true if no packet waits to be sent to the client of `session`.
 TimePoint IoLoop::next_look_at(ServerSession& session, bool sent, TimePoint now) const {
   if (session.repeats() || !sent) return now + Maintenance::calm_tick;
   return session.looks.look(session.connection().beats_seen(), now);

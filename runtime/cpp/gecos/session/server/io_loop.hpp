@@ -46,8 +46,8 @@ class IoLoop {
   /// Sends heartbeats, detects silent clients and lost connections, and wakes the standby thread.
   /// Runs on the maintenance thread. Returns the time of the next tick.
   TimePoint on_tick(TimePoint now);
-  /// The descriptor becomes readable when the maintenance thread must tick before the time that
-  /// `on_tick` returned.
+  /// Returns a descriptor that becomes readable when the maintenance thread must call `on_tick`
+  /// before the time that the last `on_tick` returned.
   int descriptor() const { return sleep_.descriptor(); }
   /// Waits for running handlers, ends both threads, then disconnects the clients.
   void end();
@@ -57,8 +57,8 @@ class IoLoop {
     std::shared_ptr<ObjectHost> object;
     std::shared_ptr<media::Acceptor> acceptor;
   };
-  /// The event that ended the last sleep. `rang_at`: the time at which the client sent the wake-up
-  /// that ended the sleep.
+  /// What ended the last sleep of the polling thread. `rang_at`: the time at which the client sent
+  /// the wake-up that ended the sleep.
   struct Wake {
     media::Woken by = media::Woken::Early;
     TimePoint rang_at{};
@@ -103,7 +103,7 @@ class IoLoop {
 
   FutexMutex polling_;  ///< held by the thread that polls
   media::SpinPolicy spin_ GECOS_GUARDED_BY(polling_);
-  /// An element becomes null when its object is withdrawn.
+  /// The acceptors of the served objects. An element becomes null when its object is withdrawn.
   std::vector<std::unique_ptr<Endpoint>> endpoints_ GECOS_GUARDED_BY(polling_);
   ActiveSessions active_ GECOS_GUARDED_BY(polling_);
   Wake wake_ GECOS_GUARDED_BY(polling_);

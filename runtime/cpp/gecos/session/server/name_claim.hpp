@@ -31,7 +31,7 @@ class NameClaim {
   /// Returns the number of the current question to the broker. Only an answer to this question
   /// counts.
   std::uint64_t question() const { return question_; }
-  /// Begins a new question; answers to earlier questions are ignored.
+  /// Begins a new question to the broker. From now on, answers to earlier questions are ignored.
   void ask() {
     ++question_;
     if (standing() != Standing::Taken) change(Standing::Asked);

@@ -15,7 +15,7 @@ bool recorded(const OperationDescription& operation) {
 }
 
 /// Returns whether the outcome of `call` comes from its handler. The text of such an outcome may
-/// contain arguments of the call.
+/// contain arguments of the call, so the audit must not record the text.
 bool answered_by_handler(const ServerCall& call) {
   return call.state.begun_at() && call.state.phase() >= CallState::Phase::Answered;
 }

@@ -57,8 +57,8 @@ class ObjectAudit {
   void begins(const ServerCall& call);
   void ended(const ServerCall& call, Detail detail, const std::string& text);
 
-  /// For each command that a client has repeated within a second that is over, writes one line with
-  /// the number of repetitions. Then lets the audit write to its files.
+  /// Repetitions of a command are counted for one second. When this second is over, writes one line
+  /// with the number of repetitions. Then lets the audit write to its files.
   void on_tick();
   /// Writes the lines of all repeated commands that on_tick has not written yet.
   void end();

@@ -35,7 +35,7 @@ class ObjectCalls {
     virtual void finished(ServerCall& call) = 0;
   };
 
-  /// `ready`: set when calls may start that could not start before.
+  /// `ready`: a flag that this object sets when a call may start that could not start before.
   ObjectCalls(const ObjectSetup& setup, std::atomic<bool>& ready, Observer& observer)
       : setup_(setup),
         ready_(ready),
@@ -53,7 +53,7 @@ class ObjectCalls {
 
   // The following functions take a call from the queue to the end of its handler.
 
-  /// Queues `call`, and returns as ObjectQueue::push does.
+  /// Queues `call`. Returns the result of ObjectQueue::push.
   tl::expected<std::size_t, ObjectQueue::Full> add(const std::shared_ptr<ServerCall>& call);
   /// Removes the next call that may start from the queue and returns it; null when no call may
   /// start.
@@ -64,8 +64,8 @@ class ObjectCalls {
   /// client has withdrawn the call, ends the call and returns false, because the client reports the
   /// call as not started.
   bool mark(ServerCall& call, TimePoint since_boot);
-  /// Must be called when the handler of a call that was taken will not begin. @pre the call has
-  /// ended
+  /// Must be called when take() has returned `call`, but the handler of `call` will not begin. @pre
+  /// the call has ended
   void drop(ServerCall& call);
   /// Records `outcome`, a result or a failure, as the answer of the handler of `call`. Returns true
   /// when the handler has also returned, so that the next call may start.

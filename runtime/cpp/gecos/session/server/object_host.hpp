@@ -78,8 +78,8 @@ class ObjectHost final : public Publisher {
 
   // The maintenance thread calls the following functions.
 
-  /// Ends the actor commands that ran during a pause of this process of the length `stood_still`.
-  /// After a long pause the broker must confirm the object's name again.
+  /// Ends the actor commands that ran during a pause of this process. `stood_still`: the length of
+  /// the pause. After a long pause the broker must confirm the object's name again.
   void after_pause(Duration stood_still);
   /// Handles deadlines, leases and pending progress reports, and starts calls that no other thread
   /// starts. Returns the time of the next tick.
@@ -97,7 +97,7 @@ class ObjectHost final : public Publisher {
   }
   InwardCore* inward(const InwardDescription& stream) override { return inward_.find(stream.code); }
 
-  /// Ends all calls as STOPPED and accepts no more.
+  /// Ends all calls of the object as STOPPED, and refuses later calls.
   void close();
   bool closed();
   std::string served_as() override;  ///< takes no lock: a forked child may ask

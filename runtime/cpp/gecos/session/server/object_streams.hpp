@@ -20,8 +20,8 @@ class ObjectStreams {
   /// Allows clients that connect through `acceptor` to subscribe, and publishes the open streams on
   /// its open channels.
   void offer(std::shared_ptr<media::Acceptor> acceptor);
-  /// Allows or forbids to send the samples of open streams in clear; at first this is allowed.
-  /// Returns true if there is an open stream for which this is a change.
+  /// Allows or forbids sending the samples of open streams in clear; at first it is allowed.
+  /// Returns true if this call changes the setting of at least one open stream.
   bool allow_in_clear(bool allowed);
   /// After this call, published samples reach no client.
   void close();
@@ -34,7 +34,7 @@ class ObjectStreams {
   void exclude(media::Connection& connection);
   /// Publishes `sample`. Does nothing when the interface has no such stream.
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
-  /// Lends memory for the next sample, as StreamPort::lend().
+  /// Lends memory for the next sample, like StreamPort::lend().
   tl::expected<LentMemory, std::string> lend(const StreamDescription& stream, std::size_t size);
   bool publish_lent(const StreamDescription& stream, const LentMemory& memory,
                     const SampleTime& time);

@@ -12,9 +12,9 @@
 
 namespace gecos::session {
 
-/// Calls that ask for news, for example for changes of the roster since the change that the caller
-/// knows. While there is no news for a call, the call waits in this object. Not thread-safe: the
-/// object's mutex guards it.
+/// Calls that ask for news, for example for the changes of the holders of a status that came after
+/// the newest change known to the caller. While there is no news for a call, the call waits in this
+/// object. Not thread-safe: the object's mutex guards it.
 class OpenQuestions {
  public:
   struct Question {

@@ -114,7 +114,8 @@ void PacketSender::deliver(ByteView packet) {
     const auto sent = connection_.send(packet, {});
     if (sent || sent.error() != media::SendProblem::Full) return;
   }
-  // Replies that are sent again in a new session may exceed the limit once.
+  // Here the limit is doubled, because replies that are sent again in a new session are sent even
+  // if the packets that wait have reached the limit.
   const bool fits = backlog_bytes_ + packet.size() <= 2 * most_backlog_bytes;
   if (backlog_.size() == most_backlog || !fits) {
     overrun_.store(true, std::memory_order_relaxed);

@@ -8,12 +8,13 @@
 namespace gecos::session {
 
 /// Tells the maintenance thread whether the polling thread of a server sleeps. While the polling
-/// thread sleeps, the maintenance thread can rest longer.
+/// thread sleeps, the maintenance thread can sleep longer, too.
 ///
-/// When the polling thread has woken, the maintenance thread must check it within a tick, because a
-/// handler may hang. Therefore a polling thread that wakes sets a timer, and the maintenance thread
-/// watches the timer. The polling thread sets the timer only if count_on() returned true during the
-/// sleep, so a busy server pays only a few atomic operations for each sleep.
+/// When the polling thread has woken, the maintenance thread must check the polling thread within a
+/// tick, because a handler may hang on the polling thread. Therefore a polling thread that wakes
+/// sets a timer, and the maintenance thread watches the timer. The polling thread sets the timer
+/// only if count_on() returned true during the sleep, so a busy server pays only a few atomic
+/// operations for each sleep.
 class PollerSleep {
  public:
   /// Throws std::system_error when the process cannot open another file descriptor.
@@ -28,9 +29,10 @@ class PollerSleep {
   }
 
   // The maintenance thread calls the functions below.
-  /// Returns whether the polling thread sleeps and has slept since the last call of this function.
-  /// If so, `descriptor` becomes readable one tick after the polling thread has woken. Returns
-  /// false for a polling thread that is woken often, because each timer costs a tick.
+
+  /// Returns true when the polling thread sleeps and has not woken since the last call of this
+  /// function. If so, `descriptor` becomes readable one tick after the polling thread has woken.
+  /// Returns false for a polling thread that is woken often, because each timer costs a tick.
   bool count_on() {
     if (woke_.exchange(false)) return false;
     counted_on_.store(true);

@@ -28,7 +28,7 @@ class PresenceGuard {
   /// Forgets the last report of `zone`: from now on it is not known whether a person is present.
   /// `why`: the reason, for people.
   void forget(const std::string& zone, const std::string& why);
-  /// Forgets the last report, whichever zone it is from.
+  /// Forgets the last report of presence, from whichever zone it came.
   void forget(const std::string& why);
   void on_tick();
 

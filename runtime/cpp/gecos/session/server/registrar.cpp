@@ -280,7 +280,8 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
   const Duration again = pause_.after(answers.broker);
   Duration rest = answers.missing.empty() ? Duration::max() : again;
   std::string unreported;
-  std::string news;  // `unreported` without the number of each refusal
+  // The refusals in `unreported` without their request numbers, which differ at each attempt.
+  std::string news;
   for (std::size_t i = 0; i < registrations.size(); ++i) {
     ObjectHost& object = *registrations[i].object;
     const auto& enlisted = answers.of_each[i];

@@ -105,7 +105,8 @@ class Registrar {
   bool reported_missing_ GECOS_GUARDED_BY(mutex_) = false;
   // Only `thread_` uses `reported_` and `pause_`.
 
-  /// The last warning that clients cannot find some objects, without the numbers of refusals.
+  /// The last logged warning that clients cannot find some objects, without the request number of
+  /// each refusal.
   std::string reported_;
   AskPause pause_;
   bool wanted_ GECOS_GUARDED_BY(mutex_) = false;

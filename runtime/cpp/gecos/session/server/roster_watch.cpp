@@ -9,9 +9,10 @@
 namespace gecos::session {
 namespace {
 
-/// Returns the number from which the changes of an object are counted when the object is served
-/// anew. The number is a hash with 2^52 values, so another object, or the same object in another
-/// process, begins with another number. Programs that read JSON numbers as doubles read it exactly.
+/// Returns the number from which the changes of the holders of an object are counted when the
+/// object is served anew. The number is a hash with 2^52 values, so another object, or the same
+/// object in another process, begins with another number. Programs that read JSON numbers as
+/// doubles read such a number exactly.
 std::uint64_t first_number(TimePoint now) {
   const auto moment = static_cast<std::uint64_t>(now.time_since_epoch().count());
   return (((number(process_incarnation()) + moment) * 0x9e37'79b9'7f4a'7c15U) >> 12) | 1;

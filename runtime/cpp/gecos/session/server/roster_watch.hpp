@@ -15,7 +15,8 @@
 
 namespace gecos::session {
 
-/// Returns `roster` in the form in which clients see it.
+/// Converts `roster`, the holders of the status of an object, to the form in which clients get
+/// them.
 std::vector<Holder> shown_to_clients(const std::vector<access::Holder>& roster, TimePoint now);
 
 /// Tells clients who holds the status of one object, and each change of the holders. Not
@@ -31,8 +32,9 @@ class RosterWatch {
   /// the end of each status that has ended.
   void note_change(std::string_view why_ended);
 
-  /// Replies with the roster. While there is no change newer than `asked.after`, the reply waits,
-  /// at most for `asked.patience`.
+  /// Replies with the holders of the status, and with the changes of the holders after the change
+  /// `asked.after`. While `asked.after` is the newest change, the reply waits, at most
+  /// `asked.patience` seconds.
   void ask(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
            const GecosObject_roster_arguments& asked);
   OpenQuestions& questions() { return questions_; }

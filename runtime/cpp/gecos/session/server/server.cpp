@@ -51,7 +51,7 @@ tl::unexpected<ServeError> served_already(const std::string& name, const Servant
                                    "each name"});
 }
 
-/// Throws std::invalid_argument if a list of users or hosts cannot contain one of `names`.
+/// Throws std::invalid_argument if one of `names` is not a valid name of a user or of a host.
 void check_names(const std::vector<std::string>& names, const std::string& what) {
   for (std::size_t at = 0; at < names.size(); ++at) {
     const auto fault =
@@ -274,9 +274,10 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     auto acceptor = [&]() -> tl::expected<std::unique_ptr<media::Acceptor>, media::MediumError> {
       const auto medium = lab_->runtime()->medium(kind);
       if (!medium) return tl::unexpected(medium.error());
-      // The well-known address of a medium exists only once in a host. If no other host can reach
-      // the medium, the object must be served at that address. Over a network this may fail,
-      // because another host has the address or there is no network.
+      // A host has only one well-known address for each medium. If no other host can reach the
+      // medium, an object with the option `well_known` must be served at that address. Over a
+      // network, another host may have the address, or there may be no network. The object is then
+      // served over the other media.
       needed = needed ||
                (options.well_known && (*medium)->capabilities().reach != media::Reach::Network);
       try {
@@ -354,7 +355,8 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   {
     const MutexLock lock(mutex_);
     objects_.push_back(object);
-    // If the lab file was edited meanwhile, follow_lab_file() did not know this object.
+    // If the lab file was edited meanwhile, follow_lab_file() did not know this object. Therefore
+    // the rule about open streams is applied to the object again.
     judge_open_streams(*object, *access_->lists());
     if (!zone.empty()) zones_.add(zone, object);
   }

@@ -52,8 +52,8 @@ class ServerSession {
 
   // The functions below require the object's mutex.
 
-  /// `because_of`: if this call was not carried out because an earlier command failed, the counter
-  /// of that earlier command; otherwise 0.
+  /// Replies to the call `counter` with `failure`. `because_of`: if the call was not carried out
+  /// because an earlier command failed, the counter of that earlier command; otherwise 0.
   void reply(std::uint64_t counter, const Failure& failure, std::uint64_t because_of = 0);
   void reply(std::uint64_t counter, ByteView result);
   /// Replies to the call `counter` with `before`, the reply that this call had in an earlier
@@ -102,10 +102,11 @@ class ServerSession {
   /// Whether the session may feed inward streams now, and under which epoch. Written while the
   /// object's mutex is held.
   const std::shared_ptr<FeedStanding> standing = std::make_shared<FeedStanding>();
-  /// The key is the code of a stream, the value is the id of the stream on the connection.
+  /// The streams to which the client has subscribed. The key is the code of a stream, the value is
+  /// the id of the stream on the connection.
   std::map<FunctionCode, std::uint32_t> subscriptions;
-  /// The epoch in which this session acquired its status; its own `stop` calls renew the status
-  /// under higher epochs.
+  /// The epoch under which this session acquired its status. The status continues under a higher
+  /// epoch after a `stop` that the session itself has called.
   std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
   /// The epoch of the session's status, if it is newer than the epoch that the client got with the
   /// grant. Every reply then tells the client the newer epoch. Otherwise Epoch{}.

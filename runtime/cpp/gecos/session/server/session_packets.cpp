@@ -24,7 +24,8 @@ constexpr const char* not_started = "the call was not started: the caller had gi
 
 std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
 
-/// Notes that `call` ends with `failure` and does not get into the queue.
+/// Records in the BlendChain of `session` that `call` has ended with `failure` without being
+/// queued. Does nothing if the operation does not have @on_new("blend").
 void note_failed(const ObjectSetup& setup, ServerSession& session, const wire::PacketHeader& call,
                  const Failure& failure) {
   const auto* const operation = setup.interface.find(call.code);
@@ -280,8 +281,8 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
   take_early(session);
 }
 
-/// Refuses a call that was unread for too long, for example while this process was suspended. Its
-/// client has given the call up after that time, and must not see it start.
+/// Refuses a call that was unread for too long, for example while this process was suspended. By
+/// then the client has given the call up, so the call must not start any more.
 void SessionPackets::refuse_late(ServerSession& session, const wire::PacketView& packet) {
   const wire::PacketHeader& call = packet.header;
   const std::string why =
@@ -395,7 +396,8 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
   }
   if (call->lane != CallLane::Actor) return;
   if (operation.on_new == OnNew::Preempt) preempt(calls_, *call);
-  // If the command preempts others, it has just ended the commands before it.
+  // A command that preempts others has just ended the commands before it, so the position of the
+  // command is read from the queue.
   const auto position = *commands_before == 0 ? 0 : calls_.queue().position(*call).value_or(0);
   if (position != 0 || session->repeats() || setup_.runs_long(operation)) {
     call->position_sent = position;

@@ -30,8 +30,8 @@ access::Proof taken_from(std::optional<std::string>& password) {
   return proof;
 }
 
-/// Returns the words with which the text of a refusal ends; an empty text if the request did not
-/// wait.
+/// Returns the end of the text of a refusal, which says how long the request has waited and with
+/// how many requests before it. Returns an empty text if the request did not wait.
 std::string waited_in_vain(double patience, std::size_t before) {
   if (patience <= 0) return {};
   char text[96];
@@ -326,7 +326,8 @@ std::optional<Failure> StatusGrants::take_over(ServerSession& session) {
   log_info("server",
            setup_.name + ": " + who(session.caller()) + " takes sole command of the status");
   setup_.audit->status("taken_over", session);
-  // Must come before replies and the ends of commands, which tell clients the new epoch.
+  // Must be called before a reply is sent or a command is ended below, because the replies tell the
+  // clients the new epoch.
   standings_.note_newer_epoch(leases_);
   note_change();
   calls_.end_commands(

@@ -65,7 +65,7 @@ class StatusGrants {
   /// Continues the request `counter` of `session` when its proof has been derived. `proof`: nullopt
   /// when the proof could not be derived. Does nothing when the request no longer waits.
   void proved(SessionId session, std::uint64_t counter, std::optional<access::Proof> proof);
-  /// The requests that wait.
+  /// Returns the waiting requests for the status.
   StatusLine& line() { return line_; }
   /// Grants the waiting requests that can be granted now, in the order of their arrival. Must be
   /// called when a handler has returned. The functions below that end a status call `serve_line`

@@ -25,13 +25,13 @@ struct StatusRequest {
   std::uint64_t id = 0;  ///< the id by which holders deny the request; set by StatusLine::add
   std::optional<access::Proof> proof{};  ///< nullopt while the proof is derived from the password
   bool compared = false;  ///< the password of the request was wrong and was counted as wrong
-  /// The number of earlier requests that was last sent to the client.
+  /// How many requests wait before this request, as last reported to the client.
   std::optional<std::size_t> reported{};
 };
 
 /// Returns the beginning of `text` that is at most `longest` bytes long and valid UTF-8.
 std::string cut_to(std::string text, std::size_t longest);
-/// Returns the failure StatusRefused.
+/// Returns a failure with the exception StatusRefused, which has the reason and the holders.
 Failure status_refusal(std::string reason, std::vector<Holder> holders);
 
 /// The waiting requests for the status of one object, in the order of their arrival, and the
@@ -43,7 +43,7 @@ class StatusLine {
         clock_(clock),
         questions_(object_ + ": too many questions about requests", clock) {}
 
-  /// Maximum number of requests. A correct client has one request at a time.
+  /// Maximum number of waiting requests. A correct client has one request at a time.
   static constexpr std::size_t longest = 64;
 
   bool empty() const { return requests_.empty(); }

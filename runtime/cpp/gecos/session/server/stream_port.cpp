@@ -143,7 +143,8 @@ tl::expected<LentMemory, std::string> StreamPort::lend(std::size_t size) {
     lent_.writer = &writer;
     return LentMemory{whole->first(size), std::move(owner)};
   }
-  // A program in another language may still hold the memory of an earlier loan.
+  // A program in another language may still hold the memory of an earlier loan. Such memory must
+  // not be lent again.
   if (lent_.own.use_count() != 1) lent_.own = std::make_shared<Bytes>();
   // The last use of the memory by its borrower must be visible before the memory is reused.
   std::atomic_thread_fence(std::memory_order_acquire);

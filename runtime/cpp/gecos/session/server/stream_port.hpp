@@ -44,7 +44,7 @@ class StreamPort {
   bool publish_lent(const LentMemory& memory, const SampleTime& time);
   /// Must be called when `memory`, which lend() returned, will not be published.
   void give_back(const LentMemory& memory);
-  /// Returns how much was published. Does not set `readers`.
+  /// Returns how many samples and bytes were published. Does not set the member `readers`.
   StreamStats stats();
   /// Lets the client of `connection` read the stream under `id`. `acceptor`: the acceptor of
   /// `connection`. Returns the sequence number of the newest sample, 0 before the first one. On
@@ -54,8 +54,8 @@ class StreamPort {
   /// If the stream is an @open_stream and `acceptor` has channels for open streams, publishes all
   /// later samples in clear, too. Otherwise does nothing.
   void publish_in_clear(media::Acceptor& acceptor);
-  /// Allows or forbids to send samples in clear. Returns true if this is a change for an
-  /// @open_stream; does nothing for other streams.
+  /// Allows or forbids sending samples in clear. Returns true if this call changes the setting of
+  /// an @open_stream; does nothing for other streams.
   bool allow_in_clear(bool allowed);
   /// Makes all later samples over `medium` unreadable for clients with whom the stream is no longer
   /// shared.
@@ -72,10 +72,10 @@ class StreamPort {
     std::shared_ptr<Bytes> own{};  ///< private memory, which later loans use again
   };
 
-  /// Returns the latest sample with its measurement time. @pre kept_
+  /// Returns the latest sample with its measurement time. @pre `kept_` is true
   ByteView latest() const GECOS_REQUIRES(mutex_);
   void count(std::size_t size) GECOS_REQUIRES(mutex_);
-  /// Gives the latest sample to all media except the medium of `written`.
+  /// Publishes the latest sample over all media except the medium of the writer `written`.
   void distribute(const media::StreamWriter* written) GECOS_REQUIRES(mutex_);
   void end_loan() GECOS_REQUIRES(mutex_);
   void forget(const media::StreamWriter* ended) GECOS_REQUIRES(mutex_);

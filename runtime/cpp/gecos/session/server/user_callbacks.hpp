@@ -19,9 +19,9 @@ class UserCallbacks {
   UserCallbacks(const UserCallbacks&) = delete;
   UserCallbacks& operator=(const UserCallbacks&) = delete;
 
-  /// Runs `what` on the calling thread.
+  /// Runs the callback `what` on the calling thread.
   void run(const std::function<void()>& what) const;
-  /// Runs `what` on the maintenance thread, unless `end` is called first.
+  /// Runs the callback `what` on the maintenance thread, unless `end` is called first.
   void post(std::function<void()> what);
   /// Waits until a posted callback that is running has returned. After that, no posted callback
   /// starts. @pre the caller is not a posted callback

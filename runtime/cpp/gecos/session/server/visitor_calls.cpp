@@ -25,7 +25,8 @@ bool may_visit(const ObjectSetup& setup, const wire::PacketView& packet, Functio
   using BuiltIn = GecosObjectInterface;
   if (!is_builtin(code)) return opens(setup, code);
   if (code == BuiltIn::subscribe.code) {
-    // take_again() checks the call that is sent again.
+    // The arguments of a call that is sent again follow a SentBefore, so they cannot be decoded
+    // here. take_again() removes the SentBefore, and the call is then checked again.
     if (packet.header.flags == sent_again) return true;
     const auto asked = layout::from_bytes<GecosObject_subscribe_arguments>(packet.body);
     return !asked || opens(setup, FunctionCode{asked->code});

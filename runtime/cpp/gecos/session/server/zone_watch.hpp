@@ -52,7 +52,7 @@ class ZoneWatch {
   std::thread thread_;  ///< own thread, because the search for a zone blocks
 };
 
-/// The zones in which objects of one server are. Not thread-safe.
+/// The watches of all zones in which one server has objects. Not thread-safe.
 class ZoneWatches {
  public:
   explicit ZoneWatches(std::shared_ptr<Runtime> runtime) : runtime_(std::move(runtime)) {}
