@@ -114,9 +114,9 @@ void BlendChain::forget(std::uint64_t counter) {
   std::erase_if(expected_, [&](const Expected& one) { return one.counter == counter; });
 }
 
-/// Drops a failure that the program knows, and the later failures that this failure covers. They
-/// mattered only for commands that were issued before the program knew the failure, and these
-/// commands were left out when the failure was noted.
+/// Drops a failure that the program knows, and the later failures that this failure covers
+/// (covers_up_to). The dropped failures mattered only for commands that were issued before the
+/// program knew the failure, and these commands were left out when the failure was noted.
 void BlendChain::drop_known() {
   const auto known = std::ranges::find_if(
       failures_, [](const Unseen& failure) { return failure.known_from() != never; });
@@ -132,8 +132,8 @@ std::optional<BlendChain::LeftOut> BlendChain::left_out(std::uint64_t counter,
                                                         const std::string& what) const {
   std::uint64_t covered = 0;  // failures of commands with lower counters do not matter
   for (const Unseen& failure : failures_) {
-    // This failure is covered: it belongs to a command that was left out because of an earlier
-    // failure, and the program has continued although it knew the earlier failure.
+    // This failure does not matter: its command would have been left out anyway because of an
+    // earlier failure, and the program has since continued although it knew the earlier failure.
     if (failure.failed.counter < covered) continue;
     if (failure.failed.counter < counter && counter < failure.known_from()) {
       return LeftOut{failure.failed.counter, failure_after(failure.failed, what)};

@@ -19,13 +19,13 @@ inline constexpr Duration heartbeat_period = std::chrono::milliseconds(100);
 /// Says when a server looks for the next heartbeat of a client. A heartbeat in shared memory wakes
 /// nobody, so the server must look for it, and each look wakes a thread.
 ///
-/// If a look finds no heartbeat, the server looks again after `tick_window`. A heartbeat that this
-/// second look finds is at most `tick_window` old, so the next look is due one `heartbeat_period`
-/// later. If the first look already finds a heartbeat, that heartbeat may be older, so the next
-/// look is due `heartbeat_period` minus `tick_window` later. A client that sends heartbeats
-/// regularly costs three looks in two periods, and each heartbeat is found within `tick_window`. A
-/// heartbeat that was sent early (client_heartbeats.hpp) is found within twice that time. Reads no
-/// clock. Not thread-safe.
+/// If a look finds no heartbeat, the server looks again after `tick_window`. A heartbeat that such
+/// a repeated look finds is at most `tick_window` old, so the next look is due one
+/// `heartbeat_period` later. If the first look already finds a heartbeat, that heartbeat may be
+/// older, so the next look is due `heartbeat_period` minus `tick_window` later. A client that sends
+/// heartbeats regularly costs three looks in two periods, and each heartbeat is found within
+/// `tick_window`. A heartbeat that was sent early (client_heartbeats.hpp) is found within twice
+/// that time. Reads no clock. Not thread-safe.
 class HeartbeatLooks {
  public:
   /// Records that the server has looked at the time `now`, and has found that the client has sent

@@ -19,7 +19,8 @@ constexpr std::uint64_t endpoint_bit = std::uint64_t{1} << 63;
 /// would wait long.
 constexpr unsigned turns_between_events = 8192;
 constexpr unsigned busy_turn = 128;
-/// Time between two checks whether the clients are still admitted. A revocation acts within 5 s.
+/// Time between two checks whether the clients are still admitted. A revocation must take effect
+/// within 5 s.
 constexpr Duration review_every = std::chrono::seconds(1);
 
 /// Ends the streams of a client that is not admitted any more, and tells the client the reason.

@@ -103,7 +103,7 @@ class IoLoop {
 
   FutexMutex polling_;  ///< held by the thread that polls
   media::SpinPolicy spin_ GECOS_GUARDED_BY(polling_);
-  /// The acceptors of the served objects. An element becomes null when its object is withdrawn.
+  /// The served objects with their acceptors. An element becomes null when its object is withdrawn.
   std::vector<std::unique_ptr<Endpoint>> endpoints_ GECOS_GUARDED_BY(polling_);
   ActiveSessions active_ GECOS_GUARDED_BY(polling_);
   Wake wake_ GECOS_GUARDED_BY(polling_);

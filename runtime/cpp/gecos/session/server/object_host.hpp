@@ -60,8 +60,8 @@ class ObjectHost final : public Publisher {
   void run_ready(Starter starter, std::shared_ptr<ServerCall> started = nullptr) {
     runner_.run_ready(starter, std::move(started));
   }
-  /// Returns false when `run_ready` has nothing to do. Only a hint, because the mutex is not
-  /// locked.
+  /// Returns false when `run_ready` has nothing to do. The result is only a hint, because the mutex
+  /// is not locked.
   bool ready() const { return state_.ready.load(std::memory_order_acquire); }
   /// The way in which the connection of a session ended. After InOrder the commands of the session
   /// continue, and its status ends with its last command.

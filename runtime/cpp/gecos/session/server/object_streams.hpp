@@ -18,7 +18,7 @@ class ObjectStreams {
   ObjectStreams(std::string object, const InterfaceDescription& interface);
 
   /// Allows clients that connect through `acceptor` to subscribe, and publishes the open streams on
-  /// its open channels.
+  /// the open channels of `acceptor`.
   void offer(std::shared_ptr<media::Acceptor> acceptor);
   /// Allows or forbids sending the samples of open streams in clear; at first it is allowed.
   /// Returns true if this call changes the setting of at least one open stream.
@@ -39,8 +39,8 @@ class ObjectStreams {
   bool publish_lent(const StreamDescription& stream, const LentMemory& memory,
                     const SampleTime& time);
   void give_back(const StreamDescription& stream, const LentMemory& memory);
-  /// Returns how much was published on each stream. The streams are in the order of their ids on
-  /// the connections. Does not set `readers`.
+  /// Returns how many samples and bytes were published on each stream. The streams are in the order
+  /// of their ids on the connections. Does not set the member `readers`.
   std::vector<StreamStats> stats() const;
 
  private:

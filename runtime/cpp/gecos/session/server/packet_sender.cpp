@@ -15,8 +15,8 @@ namespace {
 /// Maximum number of waiting packets: for each granted call a reply and a Goodbye, and the same
 /// number again for repeated replies.
 constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
-/// Maximum size of the backlog in bytes. A result that would exceed this limit is dropped, and its
-/// call fails.
+/// Maximum size in bytes of all waiting packets. A result that would exceed this limit is dropped,
+/// and its call fails.
 constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
 
 /// Returns a shorter failure that fits into a packet. The shorter failure has the detail of

@@ -35,8 +35,8 @@ class PasswordProver {
   /// `then` with nullopt when there is not enough memory to derive the proof. Returns false when
   /// this process cannot create the thread.
   bool prove(access::Proof password, std::function<void(std::optional<access::Proof>)> then);
-  /// Waits until all proofs have been derived for which `prove` was called. Later calls of `prove`
-  /// fail.
+  /// Waits until the proofs of all earlier calls of `prove` have been derived. Later calls of
+  /// `prove` fail.
   void join() { executor_.join(); }
 
  private:

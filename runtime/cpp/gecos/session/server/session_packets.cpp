@@ -94,6 +94,7 @@ void SessionPackets::take(const Session& session, ByteView bytes) {
     if (theirs) {
       session->left = true;
       // A client that has sent its Goodbye while this process was suspended may have died since.
+      // Therefore its calls are withdrawn, too.
       if (header.flags == withdraws || unheard_since_a_pause(*session)) withdraw(*session);
       statuses_.release_all(*session);
     }
@@ -340,8 +341,8 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
   if (!too_early(*session, packet, *operation, age)) take_in_turn(session, packet, *operation, age);
 }
 
-/// Notes that a call has arrived, and admits it. The calls that must be admitted earlier have
-/// already arrived.
+/// Notes that a call has arrived, and admits it. All calls that must be admitted before this call
+/// must have arrived.
 void SessionPackets::take_in_turn(const Session& session, const wire::PacketView& packet,
                                   const OperationDescription& operation, Age age) {
   wire::PacketView call = packet;
