@@ -10,8 +10,8 @@
 
 namespace gecos::session {
 
-/// What a client reports to the server together with an actor command: of which earlier commands of
-/// the session the program knew the end when it issued the actor command. The body of a Call packet
+/// What a client reports to the server together with an actor command: what the program knew about
+/// earlier commands of the session when the program issued this command. The body of a Call packet
 /// with the flags `reports` begins with a ChainReport.
 struct ChainReport {
   enum class Known : std::uint8_t {

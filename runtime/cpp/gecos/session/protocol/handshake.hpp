@@ -48,7 +48,8 @@ struct Welcome {
   std::uint64_t interface_hash = 0;
   std::uint64_t incarnation = 0;
   std::uint32_t credits = 0;  ///< maximum number of calls of the client that are without a reply
-  /// Empty if the interface_hash of the Hello equals that of the server.
+  /// The hashes of all operations of the interface. Empty if the interface_hash of the Hello equals
+  /// that of the server.
   std::vector<OperationHash> operations;
 
   bool is_a(const std::string& name) const;

@@ -14,9 +14,9 @@ void frame(Bytes& into, const wire::PacketHeader& header, std::size_t size) {
   wire::encode_packet_tail(bytes.last<wire::packet_tail_size>(), 0);
 }
 
-/// Returns whether a server may end a call with `detail`. Clients determine all other details
-/// themselves. A server may report CONNECTION_FAILED only for a call that the server has not
-/// started, because the client may send such a call again.
+/// Returns whether a server may end a call with `detail`. Only clients end a call with the other
+/// details. The state CONNECTION_FAILED may come from a server only if the server has not started
+/// the call, because the client may then send the call again.
 bool ends_a_call(Detail detail) {
   switch (detail) {
     case Detail::ServerCrashed:

@@ -10,7 +10,8 @@
 
 namespace gecos::session {
 
-/// Records which counters of a session have arrived, so that no call is carried out twice.
+/// Records which calls of a session have arrived, by their counters, so that no call is carried out
+/// twice.
 class ReceiveWindow {
  public:
   enum class Verdict : std::uint8_t {
@@ -20,7 +21,7 @@ class ReceiveWindow {
     /// not arrived.
     Beyond,
   };
-  /// Notes that `counter` arrived.
+  /// Notes that the call `counter` has arrived. Returns whether this is its first arrival.
   Verdict arrived(std::uint64_t counter);
   /// Notes that `counter` arrived over a medium that neither loses nor repeats packets: all lower
   /// counters have arrived too.
@@ -64,8 +65,8 @@ class ReplyCache {
   /// The maximum number of replies that are kept. It is greater than the number of calls that a
   /// client may have without a reply.
   static constexpr std::size_t most_replies = 512;
-  /// The maximum size of all kept replies: room for two packets of the largest size that a medium
-  /// that loses packets can carry.
+  /// The maximum size of all kept replies. It is twice the size of the largest packet that can be
+  /// sent over a medium that loses packets.
   static constexpr std::size_t most_bytes = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_lost = 64 * 1024;
   struct Kept {
