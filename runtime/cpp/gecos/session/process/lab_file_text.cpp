@@ -23,7 +23,7 @@ using access::LabFileError;
 
 constexpr const char* of_this_host = "/etc/gecos/lab.toml";
 // The TOML parser recurses for each part of a dotted key: a key with 200,000 parts would overflow
-// the stack and end the process.
+// the stack and end the process. Therefore no larger file is read.
 constexpr std::size_t largest_file = 1 << 16;
 /// The lab file is read only if it has not changed for this time.
 constexpr Duration settled_file = std::chrono::milliseconds(100);

@@ -107,7 +107,8 @@ void Maintenance::Shared::run() {
     descriptors.assign(1, {event.descriptor(), POLLIN, 0});
     for (const auto& one : alive) one->watch(descriptors);
     std::vector<std::weak_ptr<TickTarget>> watched(alive.begin(), alive.end());
-    // So that a target whose other owners drop it during the sleep is destroyed at once.
+    // These references are dropped before the sleep, so that a target is destroyed at once when its
+    // other owners drop it during the sleep.
     alive.clear();
     woken = poll(descriptors.data(), descriptors.size(),
                  idle ? -1 : static_cast<int>(rest.count())) > 0;

@@ -30,9 +30,9 @@ struct TickTimes {
   static constexpr int most_approaches = 20;
 
   NextTick next{TimePoint{}};
-  bool ticked = false;  ///< the last tick_due() that called any target called this one
-  /// The number of ticks that were due earlier since a tick of this target last came together with
-  /// the tick of another target.
+  bool ticked = false;  ///< the last tick_due() that called a target called this target
+  /// How many ticks of this target were due earlier (NextTick::shift) since a tick of this target
+  /// last came together with the tick of another target.
   int approaches = 0;
 };
 

@@ -34,7 +34,7 @@ class PauseWatch {
   std::optional<Duration> tick(TimePoint now) {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     if (due == TimePoint::max() || now - due <= longest_gap) {
-      // So that a pause during this tick is detected, too.
+      // The time of this tick is stored, so that a pause during this tick is detected, too.
       due_.store(now, std::memory_order_relaxed);
       next_ = now;
       return std::nullopt;
@@ -69,8 +69,8 @@ class PauseWatch {
     return judging_.load(std::memory_order_acquire) ||
            (due != TimePoint::max() && now - due > longest_gap);
   }
-  /// The result of a thread's last check, which found no pause. A thread that checks often keeps
-  /// this object and passes it to suspected().
+  /// The last check by which a thread found no pause. A thread that checks often keeps this object
+  /// and passes it to suspected().
   struct Checked {
     Moment moment;
     TimePoint at{};  ///< time of the check, at most one kernel tick ago

@@ -105,8 +105,8 @@ Runtime::~Runtime() = default;
 
 tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options, const Clock& clock,
                                                             media::WrapMedium wrap) {
-  // This function is called before a Lab exists, so that the sessions are closed after a static Lab
-  // is destroyed.
+  // instance() is called before the first Lab is constructed. Therefore, when the program exits,
+  // the sessions are closed after a static Lab is destroyed.
   OpenRuntimes& open = OpenRuntimes::instance();
   try {
     auto runtime = std::make_shared<Runtime>(std::move(options), clock, std::move(wrap));

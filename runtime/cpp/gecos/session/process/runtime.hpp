@@ -43,8 +43,8 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   const Clock& clock() const { return clock_; }
   Maintenance& maintenance() { return maintenance_; }
   Callbacks& callbacks() { return callbacks_; }
-  /// Duration of silence after which a session ends. A broker then also drops the registrations
-  /// that were made in the session.
+  /// Returns the time of silence after which a session ends. If a server was silent for this time,
+  /// the broker also drops the registrations that the server made in the session.
   Duration registration_ttl() const { return options_.lease_ttl + options_.grace; }
 
   /// Returns the medium `kind`, which is opened at its first use. On failure returns why the medium
