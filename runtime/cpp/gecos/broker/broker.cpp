@@ -21,7 +21,7 @@
 namespace gecos::broker {
 namespace {
 
-/// Returns the silence of a server after which the broker ends the session with that server.
+/// Returns how long a server must be silent before the broker ends the session with that server.
 Duration silence_that_ends_a_session() {
   const LabOptions standard;
   return standard.lease_ttl + standard.grace;

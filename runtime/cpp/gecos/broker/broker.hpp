@@ -90,8 +90,9 @@ class Broker final : public BrokerServant {
   Mutex mutex_;  ///< needed because calls run on one thread and sessions end on another
   Directory directory_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t announced_ GECOS_GUARDED_BY(mutex_) = 0;  ///< number of the last published change
-  std::optional<Processes> processes_ GECOS_GUARDED_BY(mutex_);  ///< set while this is served
-  std::optional<KeptNames> kept_ GECOS_GUARDED_BY(mutex_);  ///< set while this is served over shm
+  std::optional<Processes> processes_ GECOS_GUARDED_BY(mutex_);  ///< set while the broker is served
+  /// Set while the broker is served over shm.
+  std::optional<KeptNames> kept_ GECOS_GUARDED_BY(mutex_);
   /// A session of a server on this host that has ended. The session may have ended because the
   /// process died: the kernel closes the sockets of a process before it reports the end of the
   /// process. Until `due`, the broker waits for this report. Then it lists the objects of the
@@ -107,7 +108,7 @@ class Broker final : public BrokerServant {
   /// applied.
   std::map<std::uint64_t, std::uint64_t> applied_ GECOS_GUARDED_BY(mutex_);
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
-  std::optional<EventFd> wake_watcher_;  ///< set while this is served
+  std::optional<EventFd> wake_watcher_;  ///< set while the broker is served
   std::thread watcher_;
 };
 

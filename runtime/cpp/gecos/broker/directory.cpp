@@ -66,8 +66,8 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   Place& place = found->second;
   if (place.entry == entry && (place.session == claim.session || own_life)) {
     place.session = claim.session;
-    // A claim may reach the broker late, and then gives a `since` that is too late. Therefore the
-    // earliest `since` is the most exact.
+    // `since` is computed from the time at which a claim arrives, so a claim that arrives late
+    // gives a `since` that is too late. Therefore the earliest `since` is the most exact.
     place.since = std::min(place.since, since);
     return provisional;
   }

@@ -20,7 +20,9 @@ namespace gecos::broker {
 /// Whether a server runs on the broker's host.
 enum class Host : std::uint8_t {
   Other,
-  Same,  ///< on the broker's host: Directory::process_ended reports the end of the process
+  /// The server runs on the broker's host. When its process ends, Directory::process_ended is
+  /// called.
+  Same,
 };
 
 /// A server's claim to the name of an object.
@@ -106,17 +108,18 @@ class Directory {
   /// Frees the name of a silent object. Fails when the directory does not have the name, when the
   /// server of the object is heard, and when the process of the server lives on the broker's host.
   tl::expected<void, std::variant<UnknownName, NameInUse>> free(const std::string& name);
-  /// Marks the expected servers that have not returned in time as silent. Forgets the objects that
-  /// have been silent for longer than `remembered`. Keeps at most `most_silent` silent objects
-  /// whose names are free, namely the objects that were heard last. Returns the time at which this
-  /// function must be called again.
+  /// Marks the expected servers that have not returned in time as silent. Forgets the objects whose
+  /// names are free and that have been silent for longer than `remembered`. Keeps at most
+  /// `most_silent` silent objects whose names are free, namely the objects that were heard last.
+  /// Returns the time at which this function must be called again.
   TimePoint on_tick(TimePoint now);
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
   std::vector<Entry> list() const;
   /// Returns the objects that have the interface, or an interface derived from it, sorted by name.
   std::vector<Entry> query(std::string_view interface_name) const;
-  /// Returns the objects that are silent and were heard within `remembered`, sorted by name.
+  /// Returns the silent objects whose name is kept or that were heard within `remembered`, sorted
+  /// by name. Leaves out the objects that are still expected (`expect`).
   std::vector<Silent> silent(TimePoint now) const;
 
   /// Returns how long the server of a silent object keeps the name; nullopt: until its process
@@ -153,7 +156,8 @@ class Directory {
   std::string why_kept(const Silent& one, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;
   void forget_most(TimePoint now);
-  /// Records a change of the list under the next number. Returns the number.
+  /// Records a change of the list under the next number. Returns the epoch of the object: `epoch`,
+  /// or the number of the change if `epoch` is 0.
   std::uint64_t note(const Entry& entry, Presence presence, std::uint64_t epoch,
                      TimePoint heard = {});
 
