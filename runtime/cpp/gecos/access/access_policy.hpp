@@ -15,7 +15,8 @@ namespace gecos::access {
 /// this name.
 inline constexpr std::string_view broker_object = "BROKER";
 
-/// A user on a host. Both names are proved by the medium: on this host the kernel names the user.
+/// A user on a host. The medium proves both names: for a program of this host, the kernel names the
+/// user; otherwise a key proves the user and the host.
 struct UserAtHost {
   std::string user;  ///< the name, or "uid 1234" of a user without a name
   std::string host;
@@ -56,15 +57,16 @@ using SourceOwners = std::map<std::string, NameOwner>;
 struct LabAccess {
   std::string file;                    ///< path, for messages; "" if there is no lab file
   std::optional<AllowList> general{};  ///< the list for the objects that have no list of their own
-  /// The own lists of objects, by the name of the object.
+  /// The lists of the objects that have a list of their own, by the name of the object.
   std::map<std::string, AllowList> objects{};
   std::optional<AllowList> admin{};            ///< who may end the status of other users
   std::map<std::string, NameOwner> names{};    ///< the owner of each bound name, by this name
   std::map<std::string, std::string> zones{};  ///< the zone of each object that is in one
   /// The owners of the sources of each zone, by the name of the zone.
   std::map<std::string, SourceOwners> sources{};
-  /// Where the file forbids to send the samples of an @open_stream in clear, for messages, for
-  /// example "[streams] in /etc/gecos/lab.toml:3"; "" if it does not forbid this.
+  /// The place where the file forbids sending the samples of an @open_stream in clear, for
+  /// messages, for example "[streams] in /etc/gecos/lab.toml:3"; "" if the file does not forbid
+  /// this.
   std::string forbids_open_streams{};
 };
 

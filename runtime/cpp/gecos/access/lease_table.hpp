@@ -160,8 +160,8 @@ class LeaseTable {
     /// The epoch under which this holder acquired the status, or the epoch that began when this
     /// holder stopped the object.
     Epoch first{};
-    /// The commands that this holder issued under an epoch before this one were preempted. At least
-    /// `first`.
+    /// Commands that this holder issued under an epoch before `fence` were preempted by a
+    /// take-over. `fence` is at least `first`.
     Epoch fence{};
     std::string preempted_by{};  ///< the client whose take-over preempted those commands
     TimePoint preempted_at{};
@@ -169,7 +169,8 @@ class LeaseTable {
   /// A std::map, because every command looks up its session here: with few holders, comparing keys
   /// costs less than computing a hash.
   using Members = std::map<SessionId, Member>;
-  /// The reason why a session lost its last status: its silence, or a stop.
+  /// Why a session lost its last status: the session was silent for too long, or stop() ended the
+  /// status.
   struct Loss {
     Epoch first;  ///< the first epoch in which the session held the status
     Epoch last;   ///< the last epoch in which the session held the status

@@ -23,7 +23,8 @@ class PasswordLimit {
   void count_wrong(const std::string& user, TimePoint now);
 
  private:
-  /// For each user, the times of its latest wrong passwords, at most `most_wrong`, oldest first.
+  /// For each user, the times at which the latest wrong passwords were given, at most `most_wrong`,
+  /// oldest first.
   std::map<std::string, std::vector<TimePoint>> wrong_;
 };
 

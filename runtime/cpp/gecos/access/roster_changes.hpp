@@ -15,8 +15,8 @@ namespace gecos::access {
 /// One change of the holders of an object.
 struct RosterChange {
   enum class Kind : std::uint8_t {
-    /// A client has acquired the status or a higher one. Or it has acquired the status again before
-    /// its release of the status was complete.
+    /// A client has acquired a status, or a higher status than before. A client that acquires the
+    /// status again while its release is pending counts, too.
     Acquired,
     Releasing,  ///< the status was released, but the last commands under it still run
     TakenOver,
