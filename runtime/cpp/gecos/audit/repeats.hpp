@@ -31,7 +31,7 @@ class Repeats {
   static constexpr std::size_t most = 64;
 
   /// `most_kinds`: the number of different events whose repetitions are counted at the same time.
-  /// Every other event gets a line of its own.
+  /// If there are more, every further event gets a line of its own.
   explicit Repeats(std::size_t most_kinds = most) : most_(most_kinds) {}
 
   /// The members of an event that decide whether two events are equal.
@@ -47,7 +47,8 @@ class Repeats {
   /// over. Otherwise returns false; the caller must then write a line for the event and pass the
   /// line to `begin`.
   bool count(const Key& key, std::uint64_t counter);
-  /// Begins to count the events that are equal to the event of `line`.
+  /// From now on, counts the events with the key `key`. `line`: the line of the first of these
+  /// events.
   void begin(const Key& key, const Line& line, Window window = Window::OneSecond);
   /// Returns a line with the count for each event that was repeated and whose window is over.
   std::vector<Line> due(std::int64_t now);
