@@ -181,7 +181,8 @@ void Failover::run() {
   }
 }
 
-/// Releases the mutex while the job runs, and while the job is destroyed.
+/// Runs the first waiting job. Releases the mutex while the job runs and while the job is
+/// destroyed.
 void Failover::run_job() {
   Job job = std::move(jobs_.front());
   jobs_.pop_front();

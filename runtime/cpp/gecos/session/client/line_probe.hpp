@@ -42,7 +42,8 @@ class LineProbe {
   LineState await_change(std::uint64_t changes, TimePoint deadline) const;
   /// Returns the level at which changes of the connection are logged.
   LogLevel log_level() const;
-  /// Returns how many pings this object has sent. The program has not issued these calls.
+  /// Returns how many pings this object has sent. A ping is a call that the program has not issued,
+  /// so it must not count as one of the program.
   std::uint64_t pings() const { return pings_.load(std::memory_order_relaxed); }
 
  private:

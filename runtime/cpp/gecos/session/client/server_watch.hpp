@@ -34,7 +34,8 @@ class ServerWatch {
   AnswerWatch::Verdict judge_answers(bool calls_are_open, std::uint64_t packets) {
     return answers_.judge(calls_are_open, packets, liveness_clock_.now());
   }
-  /// Returns the time since the last packet. Times without open calls do not count.
+  /// Returns the time since the last packet of the server. Only time in which calls are open
+  /// counts.
   Duration mute_for() const { return answers_.silent_for(liveness_clock_.now()); }
 
  private:
