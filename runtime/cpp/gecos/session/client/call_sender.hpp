@@ -102,7 +102,8 @@ class CallSender {
   /// no room for the packet.
   bool say_goodbye();
 
-  /// Whether the calls that the server has received but not started still run, or are withdrawn.
+  /// Says what becomes of the calls that the server has received and not started yet: they still
+  /// run, or they are withdrawn.
   enum class Queued : std::uint8_t { Run, Withdrawn };
   /// The calls that were open when their session was lost.
   struct Remains {

@@ -57,7 +57,7 @@ class MovableSession final : public ClientSession,
     std::shared_ptr<MovableStream> stream;
     std::shared_ptr<ClientStream> core;
   };
-  /// What this object reports in addition to the changes of the present connection.
+  /// The part of a LineState that this object adds to the state of the present connection.
   struct Report {
     std::uint64_t earlier = 0;  ///< number of changes, without those of the present connection
     std::uint64_t at = 0;  ///< number of changes of the present connection before the last report

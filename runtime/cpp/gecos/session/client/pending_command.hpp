@@ -110,7 +110,7 @@ class PendingCommand final : public CommandCore {
     bool on_its_way = false;  ///< the packet was sent at least once
     bool arrived = false;     ///< the server has the call; only the outcome is queried
     bool cancel = false;
-    /// Counter of the last call that was issued before `cancel` was set.
+    /// Counter of the last call that the session had issued when the program canceled this command.
     std::uint64_t cancel_up_to = 0;
   } retry;
 
