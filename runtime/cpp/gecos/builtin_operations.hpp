@@ -77,9 +77,9 @@ struct LeaseOptions {
 /// the same `password` share the status.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, std::string password = {});
-/// Like the overload above, but can wait while other clients hold the status, for example
-/// `gecos::actor(*robot, {.timeout = 10s})`. A `stop` of the object ends the wait with a refusal. A
-/// server that was built before this option existed refuses at once.
+/// Acquires actor status like actor(object, password), but can wait while other clients hold the
+/// status, for example `gecos::actor(*robot, {.timeout = 10s})`. A `stop` of the object ends the
+/// wait with a refusal. A server that was built before this option existed refuses at once.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, const LeaseOptions& options);
 void actor(std::string_view name) = delete;  // give a proxy, from lab.create

@@ -40,7 +40,8 @@ struct Explanation {
   std::string interface_name;  ///< the interface of the object
   std::string hostname;
   bool simulated = false;
-  /// The suitable media first, in the order in which `create` tries them.
+  /// All media of the object. The suitable media come first, in the order in which `create` tries
+  /// them.
   std::vector<MediumVerdict> media;
 };
 /// Returns violated terms in one line: "media=shm: lcm is not one of these media; …".

@@ -157,7 +157,7 @@ class Object {
   const {
     return Command<T, Feedback>(gecos_session_->call(operation, size, encode, gecos_options_));
   }
-  /// Calls an operation without arguments, like the overloads above.
+  /// For generated methods: issues a call of an operation that has no arguments.
   template <class T, class Feedback = void>
   requires(!std::is_void_v<T>) Command<T, Feedback> gecos_call(
       const OperationDescription& operation, bool (*decode)(wire::Decoder&, T&))
