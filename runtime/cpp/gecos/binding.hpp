@@ -23,12 +23,13 @@ namespace gecos::session {
 /// another number.
 IncarnationId process_incarnation();
 
-/// Returns whether `entry.pid` is the pid of the server of `entry` as this process sees it. This is
-/// so if the server runs on this machine, with the same runtime directory and in the same PID
-/// namespace as this process. Otherwise `entry.pid` may be the pid of an unrelated process here.
+/// Returns whether this process can use `entry.pid` as the pid of the server that `entry` names. It
+/// can if the server runs on this machine, with the same runtime directory and in the same PID
+/// namespace as this process. Otherwise an unrelated process here may have this pid.
 bool sees_process(const Entry& entry);
 
-/// The parts of a Lab that its users do not need.
+/// Gives access to the parts of a Lab that its public functions hide, for language bindings, the
+/// broker program and tests.
 struct LabAccess {
   static const LabOrWhyNot& context(const Lab& lab) { return lab.core_; }
   /// Returns a Lab that passes each medium through `wrap` when the Lab opens the medium. For
@@ -108,16 +109,16 @@ class CallCore;
 /// A refusal is written to the audit.
 std::string refusal_to_register(const CallCore& call, const std::string& name);
 
-/// The user of a client, as the medium proves this user.
+/// The user of a client. The kernel, or the key that the client has proved, names this user.
 struct ProvedUser {
   access::UserAtHost who;
   std::string key{};  ///< 64 hexadecimal digits; empty if the kernel names the user
   /// Pid of the client; no value if the kernel does not name the pid.
   std::optional<std::int32_t> pid;
 };
-/// Returns the user who issued `call`; no value for the user of the broker and for root on the
-/// broker's host. The broker trusts the registrations of these two users. The broker calls this
-/// function.
+/// Returns the user who issued `call`. Returns no value for the user of the broker and for root on
+/// the broker's host, because the broker trusts the registrations of these two users. The broker
+/// calls this function.
 std::optional<ProvedUser> other_user_of(const CallCore& call);
 
 /// Returns the user of the client that issued `call` if this client is a visitor; otherwise no
@@ -128,7 +129,7 @@ std::optional<access::UserAtHost> visitor_of(const CallCore& call);
 /// streams that visitors may use.
 struct Visitors {
   access::VisitorBook book{};
-  std::vector<FunctionCode> open{};  ///< the codes of operations and streams
+  std::vector<FunctionCode> open{};  ///< codes of the operations and streams for visitors
 };
 
 class HandlerHere;

@@ -77,9 +77,9 @@ struct LeaseOptions {
 /// the same `password` share the status.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, std::string password = {});
-/// Like the overload above, but can wait while other clients hold the status, for example
-/// `gecos::actor(*robot, {.timeout = 10s})`. A `stop` of the object ends the wait with a refusal. A
-/// server that was built before this option existed refuses at once.
+/// Acquires actor status like actor(object, password), but can wait while other clients hold the
+/// status, for example `gecos::actor(*robot, {.timeout = 10s})`. A `stop` of the object ends the
+/// wait with a refusal. A server that was built before this option existed refuses at once.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, const LeaseOptions& options);
 void actor(std::string_view name) = delete;  // give a proxy, from lab.create
@@ -89,7 +89,7 @@ void actor(std::string_view name) = delete;  // give a proxy, from lab.create
 master(const Object& object, std::string password = {});
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, const LeaseOptions& options);
-void master(std::string_view name) = delete;  // takes a proxy, as gecos::actor does
+void master(std::string_view name) = delete;  // give a proxy, from lab.create
 
 /// Stops the object for all clients: ends every lease except those of this session, removes all
 /// queued commands and interrupts the running commands.
@@ -124,14 +124,15 @@ Command<void> break_status(const Object& object, const std::string& why);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);
-/// Returns the holders of actor or master status, and the changes of these holders with larger
-/// numbers than `after`. The command ends as soon as there is such a change, at the latest after
-/// `timeout`. A program that passes the `newest` of the last result as `after` is told each change
-/// once: `gecos::roster(*robot, last.newest, 60s).then(…)`. The first time, pass 0: the command
-/// then ends at once, and its result contains all changes that the object keeps, at most 256. The
-/// result also contains all changes when `after` is a number from another server, which served the
-/// object before. Numbers are consecutive, so a gap shows that changes were lost because the
-/// program asked too late. A server that was built before this operation existed answers
+/// Returns the present holders of actor or master status, and the recent changes of the holders.
+/// The object numbers these changes; the result contains those whose number is larger than `after`.
+/// The command ends as soon as there is such a change, at the latest after `timeout`. A program
+/// that passes the `newest` of the last result as `after` is told each change once:
+/// `gecos::roster(*robot, last.newest, 60s).then(…)`. The first time, pass 0: the command then ends
+/// at once, and its result contains all changes that the object keeps, at most 256. The result also
+/// contains all changes when `after` is a number from another server, which served the object
+/// before. The numbers of changes are consecutive, so a gap shows that changes were lost because
+/// the program asked too late. A server that was built before this operation existed answers
 /// UNKNOWN_OPERATION.
 Command<Roster> roster(const Object& object, std::uint64_t after = 0, Duration timeout = {});
 /// Returns what the object has counted since its server began to serve it: the calls of each

@@ -139,12 +139,13 @@ class CommandCore {
   /// ended, the name is empty unless the command failed and no caller had observed the failure.
   virtual std::string about() const { return {}; }
 
-  /// Declares that the program does not need the outcome. A failure of the command then does not
-  /// prevent commands that the program issues later.
+  /// Declares that the program does not need the outcome of the command. If the command has
+  /// @on_new("blend") and fails, later commands with @on_new("blend") are then carried out
+  /// nevertheless.
   virtual void ignore_outcome() { observe(); }
   /// Must be called when the program has read `seen`, the state or the outcome of the command.
-  /// Until the program has seen a failure of a command with @on_new("blend"), later such commands
-  /// are not carried out.
+  /// After a command with @on_new("blend") has failed, later commands with @on_new("blend") are not
+  /// carried out until the program has seen the failure.
   virtual void note_look(Detail seen) const { static_cast<void>(seen); }
   /// Marks the outcome as observed. A failure of the command is then not logged.
   void observe() { observed_.store(true, std::memory_order_relaxed); }
@@ -209,8 +210,9 @@ class AnyCommand {
     core_->observe();
     core_->cancel();
   }
-  /// Declares that the program does not need the outcome. A failure of the command is then not
-  /// logged, and does not prevent commands that the program issues after this call.
+  /// Declares that the program does not need the outcome of the command. A failure of the command
+  /// is then not logged. If the command has @on_new("blend") and fails, commands with
+  /// @on_new("blend") that the program issues after this call are carried out nevertheless.
   void detach() const { core_->ignore_outcome(); }
 
   /// Returns a descriptor for poll, select or epoll that becomes readable when the command is

@@ -30,14 +30,15 @@ struct OperationDescription {
   bool idempotent = false;  ///< may be sent again in a new session
   bool cancelable = false;  ///< long-running: runs on a worker thread and reports progress
   bool parallel = false;    ///< may run at the same time as other actor commands
-  bool ordered = false;     ///< sensor operation that starts in the order of its caller's calls
+  /// True for a sensor operation that keeps its place among the actor commands of its caller.
+  bool ordered = false;
   OnNew on_new = OnNew::Queue;
   OnLoss on_loss = OnLoss::Stop;
   qos::Quality quality{};
 };
 
-/// Makes an entry of a generated table. `rest` has the values of the members that differ from their
-/// defaults.
+/// Makes the entry for one operation in a generated table. `rest` has the values of the other
+/// members, as far as they differ from their defaults.
 constexpr OperationDescription operation(std::uint32_t code, std::string_view name,
                                          std::uint64_t hash, OperationDescription rest = {}) {
   rest.code = FunctionCode{code};
@@ -64,10 +65,15 @@ struct StreamDescription {
   std::string_view name{};
   access::Status status = access::Status::Sensor;
   double rate_hz = 0;
-  std::size_t largest = 0;  ///< bytes of the largest sample; 0: unbounded, up to 64 KiB are sent
-  bool bulk = false;   ///< samples have a @bulk sequence of octets, which can be written in place
-  bool event = false;  ///< each sample is an occurrence; a reader gets those after its subscription
-  std::uint64_t hash = 0;  ///< hash of an event; a stream has the hash of its getter
+  /// The size of the largest sample in bytes. 0: the interface sets no bound, and samples of up to
+  /// 64 KiB are sent.
+  std::size_t largest = 0;
+  bool bulk = false;  ///< samples have a @bulk sequence of octets, which can be written in place
+  /// True if each sample is an occurrence of an event. A reader gets only the occurrences after its
+  /// subscription.
+  bool event = false;
+  /// The hash of an event; 0 for any other stream, because its getter has the hash.
+  std::uint64_t hash = 0;
   /// The LCM fingerprint of the samples of an @open_stream; nullopt for other streams.
   std::optional<std::uint64_t> open_fingerprint{};
   qos::Quality quality{};
@@ -81,8 +87,11 @@ struct InwardDescription {
   access::Status status = access::Status::Actor;  ///< the status that a sender needs
   bool presence = true;                           ///< needs a person in the laboratory
   double rate_hz = 0;
-  Duration watchdog{};      ///< a sample that is older when it is read has no effect; 0: no limit
-  std::size_t largest = 0;  ///< bytes of the largest sample; 0: unbounded, up to 64 KiB are sent
+  /// A sample that is older than this time when it is read has no effect; 0: no limit.
+  Duration watchdog{};
+  /// The size of the largest sample in bytes. 0: the interface sets no bound, and samples of up to
+  /// 64 KiB are sent.
+  std::size_t largest = 0;
   qos::Quality quality{};
 };
 
@@ -107,12 +116,13 @@ struct InterfaceDescription {
   /// operations.
   std::string_view model{};
 
-  /// Returns the own or inherited operation (or stream) with this code; null when
-  /// the interface has none.
+  /// Returns the operation (or stream) that has this code, whether the interface declares it itself
+  /// or inherits it. Returns null when there is none.
   const OperationDescription* find(FunctionCode code) const;
   const StreamDescription* find_stream(FunctionCode code) const;
   const InwardDescription* find_inward_stream(FunctionCode code) const;
-  /// Returns all own and inherited operations (or streams), each once, sorted by code.
+  /// Returns all operations (or streams) that the interface declares or inherits, each once, sorted
+  /// by code.
   std::vector<const OperationDescription*> all_operations() const;
   std::vector<const StreamDescription*> all_streams() const;
   std::vector<const InwardDescription*> all_inward_streams() const;

@@ -9,8 +9,8 @@
 
 namespace gecos {
 
-/// An operation or stream whose own `@qos` a medium does not meet. A call or subscription ends at
-/// once as QOS_UNAVAILABLE.
+/// An operation or stream whose own `@qos` a medium does not meet. In a session over this medium,
+/// each call of the operation or subscription to the stream ends at once as QOS_UNAVAILABLE.
 struct UnsuitedMember {
   FunctionCode code{};
   std::string name;  ///< "move", "tool"; "tool=" for a setter
@@ -27,7 +27,9 @@ struct MediumVerdict {
   std::string unreachable;  ///< why this medium does not reach the object; empty if it does
   /// The terms of the interface's `@qos` that the medium does not meet.
   std::vector<qos::Violation> violations;
-  std::vector<UnsuitedMember> members;  ///< empty if the medium is not suitable
+  /// The operations and streams that cannot be used in a session over this medium. Empty if
+  /// suitable() is false, because no session is then opened over this medium.
+  std::vector<UnsuitedMember> members;
 
   bool suitable() const { return unreachable.empty() && violations.empty(); }
 };
@@ -38,7 +40,8 @@ struct Explanation {
   std::string interface_name;  ///< the interface of the object
   std::string hostname;
   bool simulated = false;
-  /// The suitable media first, in the order in which `create` tries them.
+  /// All media of the object. The suitable media come first, in the order in which `create` tries
+  /// them.
   std::vector<MediumVerdict> media;
 };
 /// Returns violated terms in one line: "media=shm: lcm is not one of these media; …".

@@ -66,7 +66,7 @@ class InwardCore {
   virtual FeedReport report() = 0;
   /// From now on, admits only samples that feed the command `call`. After `call` is interrupted,
   /// admits no sample. If several commands take samples, only the command that began last gets
-  /// them. Returns the number for `end_feeding`.
+  /// them. Returns a number that the caller must pass to `end_feeding`.
   virtual std::uint64_t begin_feeding(std::shared_ptr<const CallCore> call) = 0;
   virtual void end_feeding(std::uint64_t feeding) = 0;
 };

@@ -73,7 +73,8 @@ class ClientSession {
   /// proxy was not made by `Lab::create`.
   virtual ObjectRef reference() const = 0;
   /// Tells the session that a lease was acquired. From now on the session issues commands under
-  /// `epoch`. Returns the argument for `lease_released`.
+  /// `epoch`. Returns a number for the lease, which the caller passes to `lease_released` and
+  /// `lease_lost`.
   virtual std::uint64_t lease_acquired(std::uint64_t epoch) = 0;
   /// Tells the session that a lease was released. When the last lease of a status is released, the
   /// session issues later commands without an epoch.
@@ -104,8 +105,8 @@ std::shared_ptr<ClientSession> closed_session(const ClientSession& was);
 /// Returns a command that has ended with `failure`, without being sent.
 std::shared_ptr<CommandCore> ended(Failure failure);
 
-/// Stands for a call with invalid parameters, which is not sent. Converts to a command of any type
-/// that has ended as BAD_PARAMETER.
+/// Stands for a call with invalid parameters, which is not sent. Converts to a Command of any type;
+/// this command has ended as BAD_PARAMETER.
 class Refused {
  public:
   explicit Refused(std::string why);
@@ -156,7 +157,7 @@ class Object {
   const {
     return Command<T, Feedback>(gecos_session_->call(operation, size, encode, gecos_options_));
   }
-  /// Calls an operation without arguments, like the overloads above.
+  /// For generated methods: issues a call of an operation that has no arguments.
   template <class T, class Feedback = void>
   requires(!std::is_void_v<T>) Command<T, Feedback> gecos_call(
       const OperationDescription& operation, bool (*decode)(wire::Decoder&, T&))

@@ -31,9 +31,9 @@ class Reconnecting {
 
   const std::string& name() const { return name_; }
 
-  /// Returns the proxy. If there is no proxy, creates one, which takes at most `create.patience`;
-  /// other threads that call `get` wait for it. After a failed attempt, makes no new attempt for
-  /// the time `between_tries`, and returns the reason of the failure at once.
+  /// Returns the proxy. If there is no proxy, creates one: this takes at most `create.patience`,
+  /// and other threads that call `get` wait meanwhile. After a failed attempt, makes no new attempt
+  /// for the time `between_tries`, and returns the reason of the failure at once.
   tl::expected<Proxy, std::string> get() {
     const MutexLock lock(mutex_);
     if (proxy_) return *proxy_;
@@ -45,9 +45,11 @@ class Reconnecting {
     return tl::unexpected(problem_);
   }
 
-  /// Returns the result of `call`, which issues a command through the given proxy and waits for it.
-  /// Drops the proxy when the server was lost, so that the next `get` creates a new one. When the
-  /// command certainly did not start (CONNECTION_FAILED), repeats `call` once, through a new proxy.
+  /// Calls `call` with the proxy and returns its result. The function `call` issues a command
+  /// through the proxy, waits until the command has ended, and returns the result or the failure of
+  /// the command. Drops the proxy when the server was lost, so that the next `get` creates a new
+  /// one. When the command certainly did not start (CONNECTION_FAILED), repeats `call` once,
+  /// through a new proxy.
   template <class Call>
   std::invoke_result_t<Call&, const Proxy&> call(Call call) {
     auto result = call_once(call);

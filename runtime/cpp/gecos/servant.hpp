@@ -164,10 +164,12 @@ class IncomingCall {
   /// exception.
   void fail_as_thrown();
 
-  /// For generated skeletons: encodes and sends the result of a handler, which takes `size` bytes.
+  /// For generated skeletons: answers the call with the result of its handler. `encode` writes the
+  /// result, which takes `size` bytes.
   void finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode);
-  /// Answers the call with `result`. `give` encodes and sends the value of `result`. `handler` is
-  /// the scoped name of the operation. Always returns true.
+  /// Answers the call with `result`, the result of its handler. If `result` has a valid value,
+  /// calls `give`, which must encode and send this value. Otherwise fails the call. `handler` is
+  /// the scoped name of the operation, for the error text. Always returns true.
   template <class T, class Give>
   bool answer(std::string_view handler, const Result<T>& result,
               std::initializer_list<std::string_view> declared, Give give) {

@@ -67,8 +67,8 @@ class Server {
   tl::expected<void, ServeError> await_broker(Duration patience);
   /// Serves `servant` under `name` from now on. The servant must outlive the server. Fails when no
   /// other process could reach the object, unless `options.media` limits the object to this
-  /// process, and when the server is Admission::Insecure and the object is not simulated. Logs a
-  /// warning for each medium that is not available.
+  /// process. Also fails when the server is Admission::Insecure and the object is not simulated.
+  /// Logs a warning for each medium that is not available.
   [[nodiscard("check the result: its error says why the object is not served")]] tl::expected<
       void, ServeError>
   add(std::string name, Servant& servant, ObjectOptions options = {});

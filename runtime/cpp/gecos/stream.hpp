@@ -49,7 +49,8 @@ template <class T>
 struct SampleInPlace {
   T value{};
   std::span<const std::uint8_t> octets{};  ///< elements of the @bulk sequence; empty if T has none
-  std::uint64_t sequence = 0;              ///< the following members are as in Sample
+  /// This member and the next three members have the same meaning as in Sample.
+  std::uint64_t sequence = 0;
   std::uint64_t lost = 0;
   double stamp = 0;
   Duration age{};
@@ -80,7 +81,7 @@ struct RawSample : media::StreamSample {
 
 /// A sample in the memory of its medium.
 struct RawLent : media::LentSample {
-  TimePoint measured{};  ///< as RawSample::measured
+  TimePoint measured{};  ///< has the same meaning as RawSample::measured
   Duration age{};
 };
 
@@ -94,8 +95,8 @@ class StreamCore {
   /// Waits for the next unread sample and stores it in `into`. After a loss of the stream, returns
   /// the samples that had arrived before the loss. After the Lab was closed, returns no sample.
   virtual tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) = 0;
-  /// Lends the newest sample, under the conditions of latest(). Returns the lent sample again if
-  /// its number is `into.sequence`.
+  /// Lends the newest sample, under the conditions of latest(). If the newest sample is the one
+  /// with the number `into.sequence`, lends this sample once more.
   virtual bool lend_latest(RawLent& into) = 0;
   /// Lends the next unread sample, under the conditions of next(). Reads only the member
   /// `into.sequence` of `into`.
@@ -120,11 +121,12 @@ class ReadPosition {
  public:
   explicit ReadPosition(std::uint64_t after) { sample_.sequence = after; }
 
-  /// These functions read a sample into sample(). They return what the functions of StreamCore with
-  /// the same names return.
+  /// latest() and next() store the sample that they read in the member that sample() returns. They
+  /// return what the functions of StreamCore with the same names return.
   bool latest(StreamCore& stream);
   tl::expected<void, StreamEnd> next(StreamCore& stream, TimePoint deadline);
-  /// These functions read a sample into `into`, in place.
+  /// lend_latest() and lend_next() make `into` refer to the sample in the memory of its medium,
+  /// without a copy.
   bool lend_latest(StreamCore& stream, RawLent& into);
   tl::expected<void, StreamEnd> lend_next(StreamCore& stream, RawLent& into, TimePoint deadline);
   /// Returns the sample that latest() or next() has read last. The memory of the sample is used

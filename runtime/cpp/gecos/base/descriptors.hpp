@@ -1,4 +1,4 @@
-// A check whether this process may open more file descriptors.
+// Checks whether this process can open more file descriptors.
 #pragma once
 
 #include <cstddef>

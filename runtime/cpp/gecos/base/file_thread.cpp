@@ -18,7 +18,8 @@ constexpr Duration longest_job_at_end = std::chrono::seconds(1);
 
 }  // namespace
 
-/// The data that the thread uses. They outlive the FileThread if the job has not ended by then.
+/// The data that the thread uses. They outlive the FileThread if the job still runs when the
+/// FileThread is destroyed.
 struct FileThread::Shared {
   explicit Shared(std::function<void()> its_job) : job(std::move(its_job)) {}
   void work();

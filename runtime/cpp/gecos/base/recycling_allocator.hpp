@@ -8,8 +8,8 @@
 namespace gecos {
 
 /// An allocator for the objects that each call of an operation creates by std::allocate_shared.
-/// Each thread keeps up to 64 freed blocks and uses them again, which takes a third of the time of
-/// the heap. In builds with a sanitizer, every block is freed to the heap.
+/// Each thread keeps up to 64 freed blocks and uses them again. This takes a third of the time that
+/// the heap would take. In builds with a sanitizer, every block is freed to the heap.
 template <class T>
 class RecyclingAllocator {
  public:

@@ -14,9 +14,10 @@
 namespace gecos::crypto {
 
 struct HandshakeRule {
-  /// Limits how many first messages of handshakes are checked: `burst` of them at once, and then
-  /// `per_second` of them. A check takes up to 0.2 ms on the thread that also serves calls, so that
-  /// a flood of first messages can take only a limited part of the thread's time.
+  /// Limits how many first messages of handshakes are checked: at most `burst` of them at once, and
+  /// after that `per_second` of them in each second. A check takes up to 0.2 ms on the thread that
+  /// also serves calls, so that a flood of first messages can take only a limited part of the
+  /// thread's time.
   std::uint32_t burst = 256;
   std::uint32_t per_second = 200;
   /// When a first message is repeated within this time, the acceptor gives the same answer again.

@@ -57,8 +57,9 @@ class Identity {
   PublicKey public_key_;
 };
 
-/// Returns the secret that the owners of two keys share. Returns nothing when `peer` is a weak
-/// public key, which would give the same shared secret with every secret key.
+/// Returns the secret that the owner of the secret key `secret` shares with the owner of the public
+/// key `peer`. Returns nothing when `peer` is a weak public key, which would give the same shared
+/// secret with every secret key.
 std::optional<Key> shared_secret(std::span<const std::byte, key_bytes> secret,
                                  const PublicKey& peer);
 

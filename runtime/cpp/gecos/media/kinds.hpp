@@ -69,16 +69,16 @@ bool open_to_this_user(std::string_view identity);
 /// if this program runs as root or as `gecos`, and its runtime directory is open to all users.
 bool open_to_other_users();
 
-/// What texts for people call the servers that programs of all users can reach over shm; see
-/// serves_all_users.
+/// The words by which error texts name the servers that programs of all users can reach over shm
+/// (see serves_all_users).
 inline constexpr std::string_view servers_of_all_users = "servers of root and of gecos";
 
 /// Returns whether `user` is one of the users whose servers can be open to the programs of all
 /// users: root or `gecos`.
 bool serves_all_users(std::string_view user);
 
-/// Returns whether programs with these host identities can reach each other over shm, because they
-/// have one runtime directory.
+/// Returns whether programs with these host identities can reach each other over shm. They can if
+/// they have the same runtime directory.
 bool share_memory(std::string_view one, std::string_view other);
 
 /// Returns whether two host identities belong to the same machine. Their runtime directories may

@@ -268,11 +268,11 @@ class Connection {
   /// Returns a text that says why the connection is lost; on lcm also why no peer answers.
   virtual std::string loss_text() const = 0;
 
-  /// Returns a function that says why the medium would no longer admit this peer, for example
-  /// because its key was removed. The text is empty while the medium would admit the peer. The
-  /// function reads files, so a call may take long; any thread may call the function, also after
-  /// the end of the connection. Null if the medium admits the peer for ever. Any thread may call
-  /// later_refusal().
+  /// Returns a function that checks whether the medium would still admit this peer. The function
+  /// returns the reason why not, for example that the key of the peer was removed, or an empty text
+  /// while the medium would admit the peer. It reads files, so a call may take long. Any thread may
+  /// call it, also after the end of the connection. later_refusal() returns null if the medium
+  /// admits the peer for ever. Any thread may call later_refusal().
   virtual std::function<std::string()> later_refusal() { return nullptr; }
 
   /// Makes a stream for this peer alone, for example for samples from a client to its server. Use
@@ -351,8 +351,9 @@ class Medium {
       std::string_view address) = 0;
   /// Returns the well-known address of `name`, even when no server listens there.
   virtual std::string well_known_address(std::string_view name) const = 0;
-  /// Returns the well-known addresses of `name` at which other users of this host serve all users.
-  /// A client tries them after the well-known address.
+  /// Returns further well-known addresses of `name`, at which servers of other users of this host
+  /// admit the programs of all users. A client tries these addresses after the result of
+  /// well_known_address().
   virtual std::vector<std::string> shared_addresses(std::string_view) const { return {}; }
 };
 

@@ -45,8 +45,9 @@ bool SpinPolicy::crowded() const {
          clock_.now() < crowded_.until;
 }
 
-/// Allows some polls before it reads the clock, so that a wait for a quick answer does not read the
-/// clock.
+/// Allows further polls without a yield: returns true and sets after how many polls this function
+/// is called again. Returns false when the wait has used its polling time. The first call of a wait
+/// does not read the clock, so that a wait for a quick answer costs no reading of the clock.
 bool SpinPolicy::look(State as) {
   if (std::exchange(state_, as) == as) {
     const TimePoint now = clock_.now();

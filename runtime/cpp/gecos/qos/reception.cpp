@@ -57,8 +57,8 @@ std::uint64_t Reception::periods_in(Duration gap) const {
   return static_cast<std::uint64_t>((gap - Duration(1)) / deadline_);
 }
 
-/// Adds to the count of missed deadlines the deadlines of the present gap that were not counted
-/// before.
+/// Adds the missed deadlines of the present gap to the count, except those that were counted
+/// before. `in_this_gap`: how many deadlines have passed in this gap so far.
 void Reception::count_missed(std::uint64_t in_this_gap) {
   if (in_this_gap <= missed_here_.get()) return;
   const std::uint64_t more = in_this_gap - missed_here_.get();

@@ -34,8 +34,8 @@ class Reception {
   /// skipped (Newest).
   enum class Way : std::uint8_t { InOrder, Newest };
 
-  /// `after`: the reader expects only samples with a larger sequence number; nullopt when the
-  /// reader may begin with any sample.
+  /// `after`: the reader expects only samples with a sequence number above `after`. Without a
+  /// value, the reader may begin with any sample.
   Reception(const Quality& terms, TimePoint opened, std::optional<std::uint64_t> after);
 
   /// Judges a sample that was not read before. Returns whether the reader may get the sample.

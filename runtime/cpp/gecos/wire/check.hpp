@@ -13,10 +13,12 @@
 
 namespace gecos::wire {
 
-/// Returns a question for the error about `value`, for example "; is the value in degrees?". The
-/// text is empty unless `value` is outside the range from `low` to `high`, but would be inside it
-/// as a number of degrees or millimetres instead of `unit`. Only values above pi rad count as
-/// degrees, and only values of at least 1 m as millimetres.
+/// Returns a question for an error text when `value` probably has the wrong unit, for example "; is
+/// the value in degrees?". Otherwise returns an empty text. There is a question when `value` is
+/// outside the range from `low` to `high`, but would be inside it as a number of degrees (if `unit`
+/// is "rad") or of millimetres (if `unit` is "m"). A number of at most pi is probably meant in rad,
+/// and a number below 1 in m; there is then no question. The sign of `value` does not matter for
+/// these two limits.
 std::string_view mistaken_unit(double value, double low, double high, std::string_view unit);
 
 template <class T>

@@ -29,7 +29,7 @@ inline constexpr std::size_t max_zero_width = 65'536;
 /// of the field for the error, and must be static text.
 class Decoder {
  public:
-  /// Makes an empty decoder, which `open_block` can set.
+  /// Makes an empty decoder. `open_block` can make it a decoder of the bytes of a block.
   Decoder() : Decoder(ByteView{}) {}
 
   explicit Decoder(ByteView bytes)

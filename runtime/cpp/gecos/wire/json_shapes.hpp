@@ -165,8 +165,8 @@ class JsonReader {
   std::size_t index_ = no_item;
 };
 
-/// Visits the members of a struct in order. Depending on the constructor, it collects the names of
-/// the members, writes the members, or reads them.
+/// Visits the members of a struct in order. The constructor decides whether this class collects the
+/// names of the members, writes the members, or reads them.
 class JsonMembers {
  public:
   JsonMembers() = default;  ///< collects the names of the members

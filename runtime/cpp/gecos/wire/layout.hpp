@@ -36,8 +36,9 @@ namespace gecos::layout {
 template <class T>
 inline constexpr bool in_bulk = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
 
-/// A bitset or bitmask, which is encoded as one number. A union can also have a member function
-/// `bits`, if an arm has this name; a union differs from a bitset by its function `encoded_size`.
+/// A bitset or bitmask, which is encoded as one number: a type with the member function `bits` and
+/// without `encoded_size`. The second condition excludes a union that has an arm with the name
+/// `bits`.
 template <class T>
 concept Packed = requires(const T& value) {
   value.bits();
@@ -167,7 +168,8 @@ struct StepOf {
 template <class T>
 using DefaultStep = typename StepOf<T>::type;
 
-/// A member that JSON does not show.
+/// The encoding of a secret member, which equals that of `Step`. JSON does not show the value of
+/// the member.
 template <class Step>
 struct Secret : Step {
   constexpr Secret() = default;
@@ -469,15 +471,15 @@ std::size_t encoded_size(const T& value) {
   return each.size;
 }
 
-/// Writes exactly `encoded_size(value)` bytes.
+/// Encodes the members of `value`, which take exactly `encoded_size(value)` bytes.
 template <Listed T>
 void encode(wire::Encoder& to, const T& value) {
   Writing each(to);
   T::gecos_members(each, value);
 }
 
-/// Skips members that a newer writer appended. Members that an older writer omitted get their
-/// default values.
+/// Decodes the members of `value`. Skips members that a newer writer appended. Members that an
+/// older writer omitted get their default values.
 template <Listed T>
 [[nodiscard]] bool decode(wire::Decoder& from, T& value) {
   value = T{};

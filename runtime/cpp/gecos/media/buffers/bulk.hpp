@@ -16,11 +16,11 @@
 /// Memory for packets that are too large for a ring.
 ///
 /// When an end of a connection sends its first large packet, it makes an *area* outside its ring:
-/// memory that only this end may write. The sender writes a large packet into the area, and writes
-/// into a slot of the ring where the packet is. Large and small packets therefore stay in order and
-/// are counted together. As soon as the reader has taken the slot, the sender may use the packet's
-/// memory in the area again. The reader need not send anything back, and a dead reader occupies no
-/// memory.
+/// memory that only this end may write. The sender writes a large packet into the area, and then
+/// writes the place of the packet into a slot of the ring. Large and small packets therefore stay
+/// in order and are counted together. As soon as the reader has taken the slot, the sender may use
+/// the packet's memory in the area again. The reader need not send anything back, and a dead reader
+/// occupies no memory.
 ///
 /// Each packet is placed at the lowest free offset. If each packet is read before the next one is
 /// written, all packets use the same memory, which stays in the CPU caches. Pages of the area that

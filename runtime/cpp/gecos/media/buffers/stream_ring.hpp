@@ -147,7 +147,7 @@ class StreamWatches {
   /// returns.
   std::shared_ptr<StreamWatch> watch(StreamMemory memory, std::shared_ptr<void> owner);
   /// Returns whether a sample has arrived that neither its reader nor an earlier call has seen. The
-  /// check is ordered after the store to RingControl::asleep.
+  /// check is ordered after the store to RingControl::asleep, so that no wake-up is lost.
   bool anything_new();
 
  private:

@@ -19,9 +19,9 @@ inline constexpr Capabilities inproc_capabilities{
     .largest_packet = largest_bulk_packet};
 
 /// Makes a medium that connects threads of this process. It uses the rings of the medium shm, but
-/// in private memory, and eventfds for wake-ups. It is the reference implementation of a medium.
-/// All media that this function makes reach each other. A forked child cannot use the connections
-/// of its parent.
+/// in private memory, and eventfds for wake-ups. It is the reference implementation of a medium. A
+/// client of one medium that this function has made can connect to an acceptor of another one in
+/// the same process. A forked child cannot use the connections of its parent.
 std::unique_ptr<Medium> make_inproc();
 
 }  // namespace gecos::media

@@ -22,7 +22,7 @@ Capabilities fragmented_capabilities(const Medium& inner) {
   return capabilities;
 }
 
-/// A connection that splits large packets into pieces. Its age() of a large packet is the age of
+/// A connection that splits large packets into pieces. For a large packet, age() returns the age of
 /// the piece that arrived last.
 class FragmentedConnection final : public ConnectionLayer {
  public:

@@ -51,9 +51,9 @@ class OutgoingTransfer {
   static constexpr std::uint32_t window = 8;
   /// After this time without an acknowledgement, all pieces in flight are sent again.
   static constexpr Duration silence = std::chrono::milliseconds(20);
-  /// A missing piece counts as lost when a piece that was sent at least this many sendings after it
-  /// has arrived. If only pieces that were sent less than this many sendings after it have arrived,
-  /// the network may have reordered them (RFC 9002, 6.1.1).
+  /// Each sending of a piece has a number. A missing piece counts as lost when another piece has
+  /// arrived and the number of its sending is larger by at least this threshold. If the difference
+  /// is smaller, the network may only have reordered the two pieces (RFC 9002, 6.1.1).
   static constexpr std::uint64_t reordering_threshold = 3;
 
   /// `piece_bytes` is the size of the content of each piece except the last one.

@@ -33,7 +33,8 @@ std::optional<MediumError> no_group(const std::string& group) {
 }
 
 /// Returns an error when no packet can be sent to `port` of the group; otherwise nullopt. This
-/// check comes before the check of LCM itself, which writes fifteen lines to stderr each time.
+/// check comes before the check of the LCM library, because a failure of that check writes fifteen
+/// lines to stderr.
 std::optional<MediumError> no_route(const LcmOptions& options, std::uint16_t port) {
   sockaddr_in place{};
   place.sin_family = AF_INET;

@@ -463,8 +463,8 @@ std::function<std::string()> SealedServer::later_refusal() {
   };
 }
 
-/// Makes a stream like those of the acceptor, which can have many readers. Here it has a single
-/// reader.
+/// Makes a stream of the same kind as the acceptor makes. A stream of the acceptor can have many
+/// readers; this stream has a single reader.
 std::unique_ptr<StreamWriter> SealedServer::make_stream(std::size_t largest, std::size_t depth) {
   return responder_->make_stream(largest, depth);
 }

@@ -70,7 +70,8 @@ class InwardWriter final : public CopyingWriter {
   const std::shared_ptr<InwardStream> stream_;
 };
 
-/// Reads the samples of a client's stream that the server's connection has received.
+/// Reads the samples that a client sends on one of its streams, at the server's end of the
+/// connection.
 class InwardReader final : public CopyingReader {
  public:
   explicit InwardReader(std::shared_ptr<SampleBuffer> samples) : samples_(std::move(samples)) {}

@@ -148,8 +148,8 @@ std::optional<crypto::KeyOwner> HandshakeResponder::owner_of(const crypto::Publi
 void HandshakeResponder::answer(const DatagramHeader& to, DatagramKind kind, ByteView frame,
                                 TimePoint now) {
   if (!answers_.take(now)) return;
-  // The port of the client is opened for this answer only, unless other clients use the port,
-  // because a client that has not proved its keys must not occupy resources here.
+  // A client that has not proved its keys must not occupy resources here. Therefore the port of the
+  // client is opened for this answer only, unless other clients use the same port.
   auto out = options_.network->shared(to.reply_port);
   if (!out) {
     if (warnings_.take(now))
@@ -199,8 +199,8 @@ std::optional<HandshakeResponder::RefusedPeer> HandshakeResponder::RefusedPeers:
   return *found;
 }
 
-/// The port of the client is opened for this datagram only, so that a refused client occupies no
-/// descriptor.
+/// Sends a refused client the datagram that says why it is refused. The port of the client is
+/// opened for this datagram only, so that a refused client occupies no descriptor.
 void HandshakeResponder::tell(const RefusedPeer& refused) const {
   const auto out = options_.network->shared(refused.reply_port);
   if (out) (*out)->publish(channel_name("GC", refused.client), *refused.datagram);

@@ -14,11 +14,11 @@ class BrokerNews {
  public:
   explicit BrokerNews(std::shared_ptr<Context> lab) : lab_(std::move(lab)) {}
 
-  /// Waits until the list may have changed since the last call, or until `deadline`. If no broker
-  /// answers, the call may take up to 2 s longer. Returns whether the list may have changed: the
-  /// broker has published a change, or another broker has taken its place. Returns true at least
-  /// once a second, because the medium may have lost a sample, and because a broker of an older
-  /// version publishes no changes.
+  /// Waits until the broker's list may have changed since the last call of this function, or until
+  /// `deadline`. If no broker answers, the call may take up to 2 s longer. Returns whether the list
+  /// may have changed: the broker has published a change, or another broker has taken its place.
+  /// Returns true at least once a second, because the medium may have lost a sample, and because a
+  /// broker of an older version publishes no changes.
   bool wait(TimePoint deadline);
 
  private:

@@ -276,8 +276,9 @@ std::optional<CallSender::Remains> CallSender::end(Ending how, const std::string
   lost_.store(true, std::memory_order_release);
   if (queued == Queued::Withdrawn && !withdrawal_.write(calls_.issued())) withdraw_by_packet();
   Remains remains;
-  // When the medium or the server reported the loss of the session, failover has the time `grace`
-  // from now on to find another server. When the server fell silent, `grace` has already passed.
+  // Only a loss that the medium or the server has reported leaves calls to failover, which then has
+  // the time `grace` from now on to find another server. When the server fell silent, `grace` has
+  // already passed.
   if (how == Ending::Died || closed_by_server(how)) remains.repeatable = detach(how, text);
   remains.others = calls_.take_all();
   return remains;

@@ -44,20 +44,22 @@ class CallSender {
   /// Sends `command` as a call with `header` and with the arguments of `size` bytes that `encode`
   /// writes. Sets session, counter and acknowledgement in `header`. With an actor command, also
   /// sends what the program knows of earlier commands (SeenFailures). Fails with Full when `most`
-  /// calls are open. `attach_to`: for a command that may later be sent again in another session,
-  /// this session, and the command records that it was sent here; null for every other command.
+  /// calls are open. `attach_to`: this session, if `command` may later be sent again in another
+  /// session; `command` then records that it was sent in this session. Null for every other
+  /// command.
   tl::expected<void, media::SendProblem> send(wire::PacketHeader& header, std::size_t most,
                                               std::size_t size,
                                               FunctionRef<void(wire::Encoder&)> encode,
                                               const std::shared_ptr<PendingCommand>& command,
                                               const std::shared_ptr<ClientConnection>& attach_to);
   /// Returns the failure of a command of the operation `name` that `send` did not send because of
-  /// `problem`. `size`: size of its arguments in bytes.
+  /// `problem`. `size`: the size of the arguments of this command in bytes.
   Failure not_sent(std::string_view name, std::size_t size, media::SendProblem problem);
-  /// Cancels `command`. Returns false when `command` is not open in this session under `counter`.
+  /// Asks the server to cancel `command`. Returns false when `command` has ended, and when the open
+  /// call of this session with the number `counter` is not `command`.
   bool cancel(PendingCommand& command, std::uint64_t counter);
 
-  /// Returns what the program knows of the ends of this session's commands.
+  /// Returns the record of the failures of this session's commands that the program has seen.
   const std::shared_ptr<SeenFailures>& failures() const { return failures_; }
   /// Returns the number of calls sent so far.
   std::uint64_t issued();
@@ -74,21 +76,22 @@ class CallSender {
   // The thread that reads the connection calls the following functions.
 
   /// Must be called when a reply to the call `counter` arrives. Removes and returns the call; null
-  /// when a reply to it has arrived before.
+  /// when a reply to this call has arrived before.
   std::shared_ptr<PendingCommand> take_replied(std::uint64_t counter);
-  /// Must be called when progress of the call `counter` arrives, which proves that the server has
-  /// the call. Returns the call; null when its reply has arrived before.
+  /// Must be called when a progress report of the call `counter` arrives. The report proves that
+  /// the server has the call. Returns the call; null when the reply to the call has arrived before.
   std::shared_ptr<PendingCommand> arrived(std::uint64_t counter);
 
   // The maintenance thread calls the following functions.
 
-  /// Over a medium that loses packets, sends again the calls that are due. Over any medium, sends
-  /// again each Cancel packet for which there was no room before. Returns the time of the next
-  /// tick. `next_beat`: the time of the next heartbeat.
+  /// Over a medium that loses packets, repeats each open call when the time of its next repetition
+  /// has come. Over any medium, sends each Cancel packet again for which there was no room before.
+  /// Returns the time at which this function must be called again. `next_beat`: the time of the
+  /// next heartbeat.
   TimePoint repeat(TimePoint now, TimePoint next_beat);
-  /// Queries the calls that were already open at the previous `query_old_calls`, because their
-  /// replies may have been damaged in shared memory. Does nothing over a medium that loses packets,
-  /// because calls are sent again there anyway.
+  /// Asks the server for the state of each call that was already open when this function ran last,
+  /// because the reply may have been damaged in shared memory. Does nothing over a medium that
+  /// loses packets, because `repeat` sends the calls again there.
   void query_old_calls();
 
   // Functions for the end of a session.
@@ -99,7 +102,8 @@ class CallSender {
   /// no room for the packet.
   bool say_goodbye();
 
-  /// Whether the calls that the server has received but not started still run, or are withdrawn.
+  /// Says what becomes of the calls that the server has received and not started yet: they still
+  /// run, or they are withdrawn.
   enum class Queued : std::uint8_t { Run, Withdrawn };
   /// The calls that were open when their session was lost.
   struct Remains {
@@ -142,7 +146,7 @@ class CallSender {
   /// The shortest time so far between a call and its reply. Measured only over a medium that loses
   /// packets.
   Duration quickest_answer_ GECOS_GUARDED_BY(mutex_) = std::chrono::seconds(1);
-  /// The counter that the newest call had at the time of the last `query_old_calls`.
+  /// The counter of the newest call that had been issued when `query_old_calls` ran last.
   std::uint64_t open_when_asked_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 

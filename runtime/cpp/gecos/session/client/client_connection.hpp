@@ -79,9 +79,9 @@ class ClientConnection final : public ClientSession,
   /// session.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
-  /// Refuses the operations and streams of `wanted` whose `@qos` demands more than `line` promises.
-  /// `simulated`: whether the object is a simulated device. Must be called before the
-  /// program receives the session.
+  /// Makes the session refuse the operations and streams of `wanted` whose `@qos` demands more than
+  /// `line`, the promises of the medium. `simulated`: whether the object is a simulated device.
+  /// Must be called before the program receives the session.
   void check_quality(const InterfaceDescription& wanted, const qos::LineCapabilities& line,
                      bool simulated) {
     refused_.check_quality(wanted, line, simulated);

@@ -17,14 +17,15 @@ class ClientHeartbeats {
   ClientHeartbeats(Duration period, bool may_shift)
       : period_(period), shift_(may_shift ? std::min(longest_shift, period / 10) : Duration{}) {}
 
-  /// Returns whether the tick at the time `now` sends a heartbeat.
+  /// Returns whether the client must send a heartbeat at the tick of the time `now`.
   bool due(TimePoint now) {
     if (now + 2 * shift_ < next_) return false;  // NextTick::shift explains the factor 2
     next_ = now + period_;
     return true;
   }
   TimePoint next() const { return next_; }
-  /// Returns the next tick of a session whose other work is due at the time `work`.
+  /// Returns when the next tick of the session is due: at the time `work`, at which other work of
+  /// the session is due, or at the next heartbeat if that comes first.
   NextTick next_tick(TimePoint work) const {
     return work < next_ ? NextTick(work) : NextTick(next_, shift_);
   }

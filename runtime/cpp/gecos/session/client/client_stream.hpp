@@ -58,7 +58,8 @@ class ClientStream final : public StreamCore {
   const std::unique_ptr<media::StreamReader> reader_;
   const std::uint64_t opened_at_;
   const std::optional<std::uint64_t> after_;
-  /// Shared by the streams that continue one another.
+  /// Judges and counts the samples. A stream that continues another stream shares this object with
+  /// it, so that the counts go on.
   const std::shared_ptr<qos::Reception> reception_;
   std::atomic<bool> waits_{true};  // orders no other memory
 };

@@ -20,7 +20,7 @@ namespace gecos::session {
 /// waits for them.
 class ConnectionMaintenance final : public TickTarget {
  public:
-  /// The parts of the session that a tick uses.
+  /// The parts of the session that each tick of the maintenance thread uses.
   struct Parts {
     media::Connection& connection;
     const Welcome& welcome;

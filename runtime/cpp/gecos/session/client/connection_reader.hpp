@@ -30,8 +30,9 @@ class ConnectionReader {
 
   /// Reads the packets that have arrived, unless another thread is reading. Never waits.
   void poll_once();
-  /// Reads packets, or waits for the thread that reads them, until `done()` or `deadline`. Returns
-  /// `done()`. `subject`: the command that the thread waits for; null to be woken by every packet.
+  /// Reads packets, or waits for the thread that reads them, until `done()` returns true or
+  /// `deadline` has passed. Returns the last result of `done()`. `subject`: the command that the
+  /// thread waits for; null to be woken by every packet.
   bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
   /// Makes all threads in `wait` check `done()`.
   void wake_all();
@@ -48,8 +49,8 @@ class ConnectionReader {
   /// connection is lost.
   void look_for_loss_soon() { loss_look_due_.store(true, std::memory_order_relaxed); }
   /// If a watcher is registered and there is no leader, becomes the leader and adds to `into` the
-  /// descriptors on which packets arrive. After the sleep, `unwatch` or `abandon_watch` must be
-  /// called.
+  /// descriptors on which packets arrive. The maintenance thread then sleeps on these descriptors;
+  /// after the sleep, it must call `unwatch` or `abandon_watch`.
   void watch(std::vector<pollfd>& into);
   /// If `watch` made the calling thread the leader, reads the packets that have arrived and gives
   /// up the lead.

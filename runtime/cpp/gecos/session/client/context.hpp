@@ -88,10 +88,10 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
     Context& lab, const InterfaceDescription& wanted, const std::string& name,
     const CreateOptions& options);
 
-/// Opens a second session with the object that `slow` is connected to, in the same server process,
-/// over the best medium other than that of `slow`. The measured latency over this medium must meet
-/// the bound of the latency that `slow` has. On failure returns why no such session could be
-/// opened.
+/// Opens a second session with the object and the server process that the session `slow` uses, over
+/// the best medium other than the medium of `slow`. The latency that is measured over this medium
+/// must not exceed the bound that applies to `slow`. On failure returns why no such session could
+/// be opened.
 tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_elsewhere(
     Context& lab, ClientConnection& slow);
 

@@ -20,8 +20,8 @@ constexpr Duration between_searches = std::chrono::milliseconds(30);
 /// searches for other servers.
 constexpr Duration longest_look = std::chrono::milliseconds(250);
 
-/// Programs in all languages show this text. In Python, a Lab that no variable refers to is
-/// destroyed at once.
+/// Programs in all languages show this text. It advises to keep the Lab in a variable, because
+/// Python destroys a Lab at once when no variable refers to it any more.
 constexpr const char* no_lab =
     "the command is not sent again: its Lab is closed or no longer exists; keep the Lab in a "
     "variable as long as its proxies are used";
@@ -181,7 +181,8 @@ void Failover::run() {
   }
 }
 
-/// Releases the mutex while the job runs, and while the job is destroyed.
+/// Runs the first waiting job. Releases the mutex while the job runs and while the job is
+/// destroyed.
 void Failover::run_job() {
   Job job = std::move(jobs_.front());
   jobs_.pop_front();

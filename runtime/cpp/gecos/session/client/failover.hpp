@@ -50,7 +50,7 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   /// Maximum number of commands of one session that wait for a server.
   static constexpr std::size_t most_pending = 256;
 
-  /// A search for another session. May block for about a second.
+  /// A function that searches for another session. It may block for about a second.
   using Job = std::function<void(Context&)>;
 
   explicit Failover(Context& lab);

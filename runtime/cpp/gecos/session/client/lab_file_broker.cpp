@@ -15,8 +15,8 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration pause_between_readings = std::chrono::milliseconds(25);
-/// The shortest time-out of a reading. A search whose deadline has already passed reads the file,
-/// too.
+/// The reading of the lab file is given at least this time, so that even a search for the broker
+/// whose deadline has already passed can read the file.
 constexpr Duration shortest_reading = std::chrono::milliseconds(100);
 /// The wait if there is no deadline.
 constexpr Duration longest_reading = std::chrono::hours(1);

@@ -19,8 +19,8 @@ class LeaderLock {
   LeaderLock() { followers_.reserve(usual_followers); }
 
   bool try_take() { return change(State::Free, State::Held); }
-  /// Ends the lead of the calling thread, which is the leader, and wakes a follower, if there is
-  /// one, so that the follower can become the leader.
+  /// Must be called by the leader. Gives up the lead and wakes a follower, if there is one, so that
+  /// the follower can become the leader.
   void drop();
 
   /// Called by the leader before it sleeps: another thread may then read in its place.
@@ -49,8 +49,8 @@ class LeaderLock {
     bool notified = false;
     ConditionVariable woken;
   };
-  /// This number of threads may follow at the same time before `follow` allocates memory. It is
-  /// high enough that readers at 1 kHz cause no allocation.
+  /// Up to this number of threads can be followers at the same time without an allocation of
+  /// memory. The number is high enough for readers at 1 kHz.
   static constexpr std::size_t usual_followers = 16;
   enum class State : std::uint8_t { Free, Held, Resting, Borrowed };
   bool change(State from, State to) {
@@ -60,7 +60,8 @@ class LeaderLock {
   bool free() const { return state_.load(std::memory_order_seq_cst) == State::Free; }
   void notify_one();
 
-  // Publishes the state of the connection's receiving side to the next thread that reads.
+  // `state_` orders memory: the next thread that reads the connection sees all that the previous
+  // thread has written while it read the connection.
   std::atomic<State> state_{State::Free};
   std::atomic<int> follower_count_{0};  // 0: mutex_ need not be locked
   Mutex mutex_;

@@ -18,8 +18,8 @@ class ClientConnection;
 class PendingCommand;
 
 /// Measures the round trip of one session by pings if the interface demands a bound of the latency.
-/// When the round trip exceeds the bound, acts as `on_degraded` says. A session without a bound
-/// sends no pings. Thread-safe, except for functions whose comments say otherwise.
+/// When the round trip exceeds the bound, does what `on_degraded` of the interface says. A session
+/// without a bound sends no pings. Thread-safe, except for functions whose comments say otherwise.
 class LineProbe {
  public:
   explicit LineProbe(ClientConnection& session);
@@ -42,7 +42,8 @@ class LineProbe {
   LineState await_change(std::uint64_t changes, TimePoint deadline) const;
   /// Returns the level at which changes of the connection are logged.
   LogLevel log_level() const;
-  /// Returns how many pings this object has sent. The program has not issued these calls.
+  /// Returns how many pings this object has sent. The program has not issued these calls, so
+  /// ClientSession::issued() must not count them.
   std::uint64_t pings() const { return pings_.load(std::memory_order_relaxed); }
 
  private:

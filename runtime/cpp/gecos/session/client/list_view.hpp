@@ -15,8 +15,9 @@ namespace gecos::session {
 /// and reads no clock.
 class ListView {
  public:
-  /// A server that runs registers with a new broker within this time after the broker's start: the
-  /// server learns within 1.3 s that its old broker is gone, and then searches every 200 ms.
+  /// After the start of a new broker, each running server registers with this broker within this
+  /// time: the server learns within 1.3 s that its old broker is gone, and then searches every 200
+  /// ms.
   static constexpr Duration servers_return_within = std::chrono::milliseconds(2500);
 
   /// The view contains only the objects that have the interface `interface_name`, or an interface

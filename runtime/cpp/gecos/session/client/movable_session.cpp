@@ -86,7 +86,8 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> MovableSession::subscribe(
 
 tl::expected<std::shared_ptr<WriterCore>, Failure> MovableSession::open_writer(
     const InwardDescription& stream) {
-  // While this mutex is locked, the session does not move: it must first know the writer.
+  // The session must not move to another medium before it knows the new writer. This mutex prevents
+  // the move.
   const MutexLock subscribing(subscribing_);
   auto writer = current()->open_writer(stream);
   const MutexLock lock(mutex_);
@@ -183,8 +184,9 @@ NextTick MovableSession::on_tick(TimePoint now) {
 }
 
 void MovableSession::search(Context& lab) {
-  // After a failover, this is often the last reference to the old session, and the end of that
-  // session takes a while.
+  // After a failover, `slow` is often the last reference to the old session. It is declared before
+  // the lock, so that the session ends after the mutex is released, because the end of a session
+  // takes a while.
   const auto slow = current();
   const auto found = open_elsewhere(lab, *slow);
   if (!found) return stay(found.error().reason);

@@ -57,7 +57,7 @@ class MovableSession final : public ClientSession,
     std::shared_ptr<MovableStream> stream;
     std::shared_ptr<ClientStream> core;
   };
-  /// What this object reports in addition to the changes of the present connection.
+  /// The part of a LineState that this object adds to the state of the present connection.
   struct Report {
     std::uint64_t earlier = 0;  ///< number of changes, without those of the present connection
     std::uint64_t at = 0;  ///< number of changes of the present connection before the last report
@@ -92,7 +92,8 @@ class MovableSession final : public ClientSession,
   /// The capabilities of each medium that was used. Callers keep references to the values, so no
   /// value is ever removed.
   mutable std::map<std::string_view, media::Capabilities> capabilities_ GECOS_GUARDED_BY(mutex_);
-  /// Number of calls in sessions that were left.
+  /// Number of calls that were issued in the earlier sessions, which this object has left for
+  /// another medium.
   std::uint64_t issued_before_ GECOS_GUARDED_BY(mutex_) = 0;
   StatusUse status_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::weak_ptr<WriterCore>> writers_ GECOS_GUARDED_BY(mutex_);

@@ -12,8 +12,8 @@ using Opened = tl::expected<std::shared_ptr<ClientConnection>, Attempt>;
 
 /// Maximum time for measuring the latency of one medium.
 constexpr Duration longest_measurement = std::chrono::seconds(2);
-/// Maximum time in which another medium must open a session and answer. It is short because calls
-/// that wait for another server wait for this search.
+/// Maximum time of a search for another medium, in which a session must be opened. The time is
+/// short, because the calls that wait for another server also wait for the end of this search.
 constexpr Duration longest_search = std::chrono::seconds(1);
 
 /// Returns the name of a channel for messages, such as "RX90 (in=lcm)"; only "RX90" when the
@@ -24,8 +24,8 @@ std::string channel_name(const std::string& object, std::string_view channel,
   return object + " (" + std::string(channel) + "=" + std::string(media::to_string(*named)) + ")";
 }
 
-/// Opens the session of one `create`, over the best medium that meets the demands of the interface
-/// and of the program.
+/// Opens the session for one call of `create`, over the best medium that meets the demands of the
+/// interface and of the program.
 class ObjectConnector {
  public:
   ObjectConnector(Context& lab, const InterfaceDescription& wanted, const Entry& entry,

@@ -1,5 +1,5 @@
-// Calls operations of interfaces that belong to the runtime itself, by the generated structs of
-// their arguments and results.
+// Calls operations of the runtime's own interfaces. The arguments and results of these operations
+// are structs that gidl generates.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace gecos::session {
 
-/// Calls `operation`. When the arguments are invalid, nothing is sent and the command ends as
-/// BAD_PARAMETER.
+/// Calls `operation` and returns its command. When the arguments are invalid, sends nothing and
+/// returns a command that has ended as BAD_PARAMETER.
 template <layout::Listed Arguments>
 std::shared_ptr<CommandCore> own_call(ClientSession& session, const OperationDescription& operation,
                                       const Arguments& arguments) {

@@ -15,8 +15,8 @@
 namespace gecos::session {
 namespace {
 
-/// Returns true only at the first failure of an operation with this detail, so that a failure in a
-/// loop does not fill the disk with log lines.
+/// Returns true only for the first failure of the operation `about` that has the detail `detail`,
+/// so that a failure in a loop does not fill the disk with log lines.
 bool first_of_its_kind(const std::string& about, Detail detail) {
   static Mutex& mutex = *new Mutex;  // commands may be destroyed after the last static object
   static auto& reported = *new std::set<std::pair<std::string, Detail>>;

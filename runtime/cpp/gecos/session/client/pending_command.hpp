@@ -50,8 +50,9 @@ class PendingCommand final : public CommandCore {
   void when_ended(std::function<void()> then) override;
   std::string about() const override;
 
-  /// The load is sequentially consistent, because a follower calls this function right after it has
-  /// registered with the LeaderLock (LeaderLock::notify).
+  /// Returns true when the command is terminal. The load is sequentially consistent, because a
+  /// follower calls this function right after it has registered with the LeaderLock; see
+  /// LeaderLock::notify.
   bool terminal() const {
     return project(detail_.load(std::memory_order_seq_cst)) != State::Running;
   }
@@ -64,15 +65,16 @@ class PendingCommand final : public CommandCore {
   void report(Detail detail, const ProgressBody& body);
   void finish(ByteView result);
   void fail(Failure failure);
-  // `counter`, `session_id` and `incarnation` are written before the command is shared, or by
-  // attach().
+  // `counter`, `session_id` and `incarnation` are written before other threads know the command, or
+  // by attach().
   std::uint64_t counter = 0;
   std::uint64_t session_id = 0;
   std::uint64_t incarnation = 0;
-  /// The number of the call's packet on the connection. Written before the command is shared.
+  /// The number of the call's packet on the connection. Written before other threads know the
+  /// command.
   std::uint64_t sent_as = 0;
-  /// The shared words that may contain the mark of this call (start_words.hpp). Written before the
-  /// command is shared.
+  /// Bit i is set if the shared word i may contain the mark of this call (start_words.hpp). Written
+  /// before other threads know the command.
   std::uint8_t marked_words = 0;
   /// Notes that the command was sent in `session`, which is its first session or a later one. The
   /// caller must hold the mutex of the session's CallSender. `as`: the value for `sent_as`.
@@ -108,7 +110,7 @@ class PendingCommand final : public CommandCore {
     bool on_its_way = false;  ///< the packet was sent at least once
     bool arrived = false;     ///< the server has the call; only the outcome is queried
     bool cancel = false;
-    /// Counter of the last call that was issued before `cancel` was set.
+    /// Counter of the last call that the session had issued when the program canceled this command.
     std::uint64_t cancel_up_to = 0;
   } retry;
 
@@ -155,8 +157,9 @@ class PendingCommand final : public CommandCore {
   /// Name of the operation for the log, for example "RX90.move". Set when the command fails while
   /// the program has not observed it.
   std::string about_;
-  /// True when the command is a watcher of its session: the program awaits its end by a descriptor
-  /// or a callback.
+  /// True when the command is registered as a watcher of its session
+  /// (ConnectionReader::add_watcher), because the program awaits the end of the command by a
+  /// descriptor or a callback.
   bool watched_ GECOS_GUARDED_BY(mutex_) = false;
   std::unique_ptr<EventFd> exported_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::function<void()>> callbacks_ GECOS_GUARDED_BY(mutex_);

@@ -22,8 +22,8 @@ class RefusedOperations {
   explicit RefusedOperations(std::vector<FunctionCode> differing)
       : differing_(std::move(differing)) {}
 
-  /// Also refuses the operations and streams of `wanted` whose `@qos` demands more than `line`
-  /// promises. `simulated`: whether the object is a simulated device.
+  /// Also refuses the operations and streams of `wanted` whose `@qos` demands more than `line`, the
+  /// promises of the medium. `simulated`: whether the object is a simulated device.
   void check_quality(const InterfaceDescription& wanted, const qos::LineCapabilities& line,
                      bool simulated);
 

@@ -33,8 +33,8 @@ class SeenFailures {
   void knows(const Place& place, Known known) {
     const MutexLock lock(mutex_);
     if (!place.sent) {
-      // A command may not have been sent because an earlier command had failed. A program that
-      // detaches the later command has not necessarily seen that earlier failure.
+      // An earlier failure can be the reason for which a command was not sent. A program that
+      // detaches this command has not necessarily seen the earlier failure.
       if (known == Known::Detached && place.number != unsent_.number) return;
       return raise(seen_unsent_, place.number);
     }

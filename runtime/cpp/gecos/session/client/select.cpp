@@ -106,7 +106,8 @@ std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interfa
   const auto check = [&](const auto& member, qos::Traffic traffic) {
     auto violated = qos::violations(demanded_of(member.quality, simulated), line, traffic);
     if (violated.empty()) return;
-    // A stream and its getter have the same code, and most terms of their quality are the same.
+    // A stream and its getter have the same code and often violate the same terms. The stream then
+    // needs no entry of its own.
     const auto getter = std::ranges::find(found, member.code, &UnsuitedMember::code);
     if (getter != found.end() && getter->violations == violated) return;
     const bool samples_only =

@@ -29,12 +29,13 @@ class ServerWatch {
   /// Returns the time since the last heartbeat.
   Duration silent_for() const { return liveness_.silent_for(liveness_clock_.now()); }
 
-  /// Judges whether the server still answers, at the time of the last call of `judge_heartbeats`.
-  /// `packets`: number of packets received so far.
+  /// Judges whether the server still answers. The judgement is made for the time of the last call
+  /// of `judge_heartbeats`. `packets`: number of packets received so far.
   AnswerWatch::Verdict judge_answers(bool calls_are_open, std::uint64_t packets) {
     return answers_.judge(calls_are_open, packets, liveness_clock_.now());
   }
-  /// Returns the time since the last packet. Times without open calls do not count.
+  /// Returns the time since the last packet of the server. Only time in which calls are open
+  /// counts.
   Duration mute_for() const { return answers_.silent_for(liveness_clock_.now()); }
 
  private:

@@ -10,9 +10,9 @@
 namespace gecos::session {
 
 /// Finds out from the calls of a program whether the program has a status of an object or asks for
-/// one. The program counts as having the status from the request for it until the call that
-/// releases it has ended, so also while the last commands under the status still run. Not
-/// thread-safe.
+/// one. From the request for a status until the end of the call that releases the status, the
+/// program counts as having the status. This includes the time in which the last commands under the
+/// status still run. Not thread-safe.
 class StatusUse {
  public:
   /// Returns whether calls of `operation` acquire or release a status. Before such a call is
@@ -24,9 +24,10 @@ class StatusUse {
 
  private:
   std::size_t begun_ = 0;  ///< calls that are being issued
-  /// Requests that are open, or granted and not released.
+  /// The requests for a status that have no reply yet, and those that were granted and whose status
+  /// is not released.
   std::vector<std::shared_ptr<CommandCore>> requests_;
-  /// Calls that release a status and are open.
+  /// The calls that release a status and have no reply yet.
   std::vector<std::shared_ptr<CommandCore>> releases_;
 };
 
