@@ -26,7 +26,8 @@ TYPE_KINDS = frozenset(
 )
 
 
-# The type of all values whose declared type is an interface, and the file that declares it.
+# If the declared type of a value is an interface, the value has the type ObjectRef. The first
+# constant is the scoped name of ObjectRef, the second the name of the file that declares ObjectRef.
 _OBJECT_REF = "gecos::ObjectRef"
 _OBJECT_REF_FILE = "object_ref.gidl"
 
