@@ -12,7 +12,7 @@ from typing import Any
 from gecos import _core
 
 CLOCK_VARIABLE = "ROBCL_CLOCK"
-"""The simulated devices of a laboratory read the speed of its clock from this variable."""
+"""The environment variable from which simulated devices read the speed of the lab clock."""
 _SLOWEST_CLOCK, _FASTEST_CLOCK = 0.1, 100_000.0
 
 
