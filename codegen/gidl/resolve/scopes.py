@@ -16,7 +16,8 @@ from gidl.diagnostics.source import Span
 from gidl.model import Type, Value
 from gidl.syntax.tree import Name, ScopedName
 
-# Scopes of these kinds may contain a declaration that has the name of the scope.
+# A declaration must not have the name of the scope that directly contains it. Scopes of these kinds
+# are exempt from this rule.
 _UNNAMED = frozenset(("file", "operation", "annotation"))
 
 _MEMBERS = frozenset(("operation", "attribute"))
