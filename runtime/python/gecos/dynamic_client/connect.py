@@ -169,7 +169,8 @@ def objects_here(lab: Lab, *, patience: float = 2.0) -> tuple[dict[str, Object],
         for socket, answer in zip(sockets, opened, strict=True):
             if not isinstance(answer, str):
                 found[answer._gecos_session.object_name] = answer
-            elif "no server listens" not in answer:  # a killed server left its socket
+            # A socket on which no server listens is left over from a killed server, and is skipped.
+            elif "no server listens" not in answer:
                 silent[socket.name.split(".")[0]] = answer
     return found, silent
 
