@@ -51,7 +51,9 @@ def check(model: Model, findings: Findings) -> None:
         if core is None or not core.kind.is_floating or _has_unit(model, slot):
             continue
         if slot.what.startswith("type ") or _is_fraction(slot):
-            continue  # members declare the unit of a typedef; a fraction has no unit
+            # A typedef needs no unit, because each member of this type can declare one. A number
+            # whose range is within [-1, 1] is taken for a fraction, which has no unit.
+            continue
         name = _name(slot)
         if name is None:
             continue

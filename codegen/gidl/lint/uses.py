@@ -26,9 +26,9 @@ from gidl.model.types import named_in
 @dataclass(frozen=True, slots=True)
 class Use:
     name: str  # scoped name of the used declaration
-    what: str  # the declaration that uses it, in messages: for example "member 'pose'"
-    facts: Facts  # facts of the member or declaration that uses it
-    by_deprecated: bool  # True: the declaration that uses it is deprecated
+    what: str  # what uses `name`, in the words of messages: for example "member 'pose'"
+    facts: Facts  # facts of the member or declaration that uses `name`
+    by_deprecated: bool  # True: the declaration that uses `name` is deprecated
 
 
 def uses(model: Model, file: File) -> Iterator[Use]:

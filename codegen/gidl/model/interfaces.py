@@ -136,8 +136,8 @@ class Attribute:
 
     @property
     def idempotent(self) -> bool:
-        """Always False. Like all calls without @idempotent, calls of getters and setters are never
-        sent a second time."""
+        """Always False, because a setter is never sent a second time. A getter is idempotent in the
+        generated tables, whatever this property returns."""
         return False
 
     @property

@@ -55,8 +55,8 @@ class Liveliness(IntEnum):
 
 
 class OnDegraded(Enum):
-    """Decides what happens to a session whose connection exceeds the latency that its interface
-    demands."""
+    """What happens to a session when the connection of the session exceeds the latency that the
+    interface of the object demands."""
 
     EVENT = "event"
     FAIL = "fail"

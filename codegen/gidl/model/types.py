@@ -128,7 +128,7 @@ class PrimitiveType:
 
 @dataclass(frozen=True, slots=True)
 class StringType:
-    bound: int | None = None  # most bytes of UTF-8, without the NUL
+    bound: int | None = None  # largest size in bytes of UTF-8, without the NUL
 
 
 @dataclass(frozen=True, slots=True)

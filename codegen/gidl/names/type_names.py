@@ -7,8 +7,8 @@ Servants, and structs of arguments and results, are named here too, so that the 
 unique.
 
 An operation with several results has a struct of results. If `calls_are_structs` is True for the
-language, every operation, getter and setter has a struct of its arguments and a struct of its
-result; a call without arguments or without a result lacks this struct.
+language, each operation, getter and setter that has arguments also has a struct of its arguments,
+and each that has a result has a struct of its result.
 
 The names in a file depend on the file and its includes, but not on other files of the run, so a
 declaration has the same name in every run.

@@ -16,7 +16,8 @@ from gidl.diagnostics.source import Span
 from gidl.model import Type, Value
 from gidl.syntax.tree import Name, ScopedName
 
-# Scopes of these kinds may contain a declaration that has the name of the scope.
+# A declaration must not have the name of the scope that directly contains it. Scopes of these kinds
+# are exempt from this rule.
 _UNNAMED = frozenset(("file", "operation", "annotation"))
 
 _MEMBERS = frozenset(("operation", "attribute"))
@@ -26,7 +27,8 @@ TYPE_KINDS = frozenset(
 )
 
 
-# The type of all values whose declared type is an interface, and the file that declares it.
+# If the declared type of a value is an interface, the value has the type ObjectRef. The first
+# constant is the scoped name of ObjectRef, the second the name of the file that declares ObjectRef.
 _OBJECT_REF = "gecos::ObjectRef"
 _OBJECT_REF_FILE = "object_ref.gidl"
 

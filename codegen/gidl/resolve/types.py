@@ -256,8 +256,9 @@ class TypeResolver(ValueResolver):
         return self._of_typedef.get(name, (None, None))
 
     def _range(self, marks: Marks, used: Type) -> Range | None:
-        """Returns the range that the annotations declare, as numbers of the type `used` and within
-        the ranges of its typedefs. The range of an array or a sequence applies to its elements."""
+        """Returns the range that the annotations declare for a value of the type `used`, narrowed
+        by the ranges of the typedefs in this type. The range of an array or a sequence applies to
+        its elements."""
         both, low, high = marks.get("range"), marks.get("min"), marks.get("max")
         written = both or low or high
         if written is None:

@@ -13,7 +13,8 @@ LAST_RESERVED = 255
 
 Member = Operation | Attribute
 CodesOf = Callable[[Model, Interface], Iterable[tuple[int, str, Member]]]
-"""Returns each function code that an interface itself declares, with its name and member."""
+"""A function that returns the function codes of the members that an interface itself declares. Each
+code comes with the name from which codes and hashes are computed, and with the member."""
 
 
 def check(model: Model, findings: Findings, codes_of: CodesOf) -> None:

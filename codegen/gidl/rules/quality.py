@@ -49,7 +49,8 @@ def _terms(qos: Qos, facts: Facts, findings: Findings) -> None:
 
 
 def _samples(member: Operation | Attribute, findings: Findings) -> None:
-    """Reports a stream or event whose samples are RELIABLE over lcm alone, which loses samples."""
+    """Reports a stream or event that demands RELIABLE samples but allows only the medium lcm, which
+    loses samples."""
     reliable = member.sends_samples and member.qos.reliability is Reliability.RELIABLE
     if reliable and member.qos.media is not None and set(member.qos.media) == {"lcm"}:
         findings.error(

@@ -102,7 +102,9 @@ class _ConditionReader:
         self._macros = macros
         self._at = 0
         self._depth = 0
-        # Above 0 while an operand is read whose value && or || does not need.
+        # Greater than 0 while the reader is in an operand that cannot change the value of the
+        # condition, for example in `1 / 0` of the condition `0 && 1 / 0`. Such an operand is
+        # parsed, but not computed.
         self._unneeded = 0
 
     def value(self) -> _Value:
@@ -155,7 +157,8 @@ class _ConditionReader:
         elif word[0].isdigit():
             result = _number(word)
         elif word[0].isalpha() or word[0] == "_":
-            result = _Value(int(word == "true"))  # a name that is no macro is 0, but true is 1
+            # As in C++, `true` is 1, and every other name that is not a macro is 0.
+            result = _Value(int(word == "true"))
         else:
             raise ValueError(word)
         self._depth -= 1

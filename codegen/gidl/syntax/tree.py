@@ -343,7 +343,9 @@ class Include:
     path: str
     angled: bool
     span: Span
-    protected: bool = False  # True: the including file has a guard, so it is read only once
+    # True if the file that contains this `#include` has an include guard or #pragma once before the
+    # `#include`. That file may then be part of an include cycle.
+    protected: bool = False
 
 
 @dataclass(slots=True)

@@ -514,7 +514,8 @@ def max_size_of(model: Model, node: Node, outer: frozenset[str] = frozenset()) -
 def _largest_members(
     model: Model, members: Iterable[Member], name: str, outer: frozenset[str]
 ) -> list[int] | None:
-    """Returns the largest size of each member of `name`, or None if a size is not limited."""
+    """Returns the largest size of each of the `members` of the struct or union `name`, in bytes.
+    Returns None if the size of a member is not limited."""
     if name in outer:
         return None
     inside = outer | {name}

@@ -311,8 +311,9 @@ nb::object latest_in_place(StreamHandle& self) {
 
 using Got = tl::expected<void, StreamEnd>;
 
-/// Waits for a sample, which `read` reads without the GIL. Returns the tuple that `given` makes of
-/// the sample, or the reason why no sample came.
+/// Waits for the next sample of a stream. `read` reads the sample without the GIL, and `given` then
+/// converts it to a tuple. Returns this tuple, or one word that says why no sample came: "closed",
+/// "nothing" after `timeout`, "lost", "revoked" or "late".
 nb::object next_by(StreamHandle& self, std::optional<double> timeout,
                    FunctionRef<Got(session::StreamCore&, TimePoint)> read,
                    FunctionRef<nb::tuple()> given) {
@@ -370,9 +371,9 @@ nb::tuple as_tuple(const LineState& line) {
                         line.moved_from, line.why);
 }
 
-/// Waits until the state of the connection of the session changes, and returns the new state.
-/// `changes` is the number of such changes that the caller knows. Returns True if there was no
-/// change within `timeout`, and False if the session is lost or closed.
+/// Waits until the number of changes of the session's connection exceeds `changes`, which is the
+/// number that the caller last read. Returns the state of the connection after the change. Returns
+/// True if there was no change within `timeout`, and False if the session is lost or closed.
 nb::object next_line_change(SessionHandle& self, std::uint64_t changes,
                             std::optional<double> timeout) {
   LineState line;

@@ -15,16 +15,17 @@ namespace {
 
 namespace nb = nanobind;
 
-/// The description of an interface, together with the data to which it points. The elements of the
-/// deques never move.
+/// The description of an interface, together with the data to which the description points. Texts
+/// and models are elements of deques, so that pointers to them stay valid.
 struct OwnedDescription {
   std::deque<std::string> texts;
   std::vector<std::string_view> bases;
   std::vector<OperationDescription> operations;
   std::vector<StreamDescription> streams;
   std::vector<InwardDescription> inward_streams;
-  /// One description for each served model: of this interface and of its bases. These descriptions
-  /// contain only the model; `operations` contains the operations of the bases.
+  /// One description for the interface itself and one for each of its bases. Each of these
+  /// descriptions contains only the JSON model that the object serves. The operations of all bases
+  /// are in `operations`.
   std::deque<InterfaceDescription> models;
   std::vector<const InterfaceDescription*> inherits;
   InterfaceDescription table;

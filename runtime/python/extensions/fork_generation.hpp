@@ -7,7 +7,7 @@
 
 namespace gecos::python {
 
-inline std::atomic<std::uint64_t> fork_counter{0};  // protects no other data: relaxed
+inline std::atomic<std::uint64_t> fork_counter{0};  // orders no other data: relaxed access
 
 /// Returns the number of forks between the process that loaded the module and this process. Code
 /// uses this number and not the process id, because `getpid` would take more than half of the time

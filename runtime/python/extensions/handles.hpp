@@ -40,8 +40,9 @@ class Owner {
   std::uint64_t fork_generation_ = fork_generation();
 };
 
-/// Resets `pointer` without the GIL. The caller must hold the GIL. In a forked child, leaks an
-/// object of the parent, because the threads of this object do not exist in the child.
+/// Resets `pointer`, and releases the GIL while an object is destroyed. The caller must hold the
+/// GIL. In a forked child, leaks an object of the parent, because the threads of this object do not
+/// exist in the child.
 template <class T>
 void drop(std::shared_ptr<T>& pointer, const Owner& owner) {
   if (pointer == nullptr) return;

@@ -48,7 +48,8 @@ std::string forbids_open_streams(const std::string& text, const std::string& fil
   return lists->forbids_open_streams;
 }
 
-/// Returns the address and its place in the file; both are empty if the file names no address.
+/// Returns the address of the broker that the lab file of this program names, and the place of this
+/// address in the file. Both are empty if there is no lab file, or if it names no address.
 std::pair<std::string, std::string> broker_in_lab_file(double patience) {
   auto found = without_gil(
       [patience = patience_of(patience)] { return session::broker_in_lab_file(patience); });

@@ -59,13 +59,13 @@ struct Step {
   char code = 0;  ///< type code of numbers, as in `wire.Fields`
   Limits limits;
   std::vector<Py_ssize_t> shape;  ///< dimensions of an array
-  Py_ssize_t size = -1;           ///< number of elements; -1: a count precedes them
-  Py_ssize_t most = 0;            ///< greatest count, or size of a text in bytes
+  Py_ssize_t size = -1;           ///< number of elements of an array; -1 for a sequence
+  Py_ssize_t most = 0;            ///< greatest number of elements, or of bytes of a text
   Py_ssize_t least = 0;           ///< smallest size of an element in bytes
   const Plan* plan = nullptr;     ///< plan of a nested struct
-  PyTypeObject* kind = nullptr;   ///< type of an enumerator
-  PyObject* known = nullptr;      ///< enumerators by number
-  PyObject* otherwise = nullptr;  ///< the enumerator for an unknown number, or null
+  PyTypeObject* kind = nullptr;   ///< the Python enum of an enumerator
+  PyObject* known = nullptr;      ///< dict from numbers to enumerators
+  PyObject* otherwise = nullptr;  ///< the enumerator that replaces an unknown number, or null
   std::vector<Step> inner;        ///< the step of an optional value or of items
 };
 

@@ -17,13 +17,13 @@ bool prepare_callables(PyObject* decoder);
 PyObject* encoding(const Plan& plan, PyObject* python);
 /// Makes the class method `decode` of a struct. The method replaces the Python function `python`.
 PyObject* decoding(const Plan& plan, PyObject* python);
-/// Makes the compiled form of the Python function `python`, which decodes a value from the
-/// beginning of bytes. `decode` is the method `decode` of the value's struct. If `decode` was not
-/// made by decoding(), there is no compiled form, and `python` itself is returned.
+/// Makes a function that decodes a value of one struct from the beginning of bytes. The function
+/// replaces the Python function `python`. `decode` is the class method `decode` of the struct. If
+/// decoding() has not made this class method, there is no plan, and `python` itself is returned.
 PyObject* from_start(PyObject* decode, PyObject* python);
-/// Makes the compiled form of the function `name` of `gecos.wire`. It handles values of all types
-/// that have a plan. It replaces the Python function `python`. On failure, sets a Python error and
-/// returns null.
+/// Makes the compiled form of the function `name` of `gecos.wire`, for example "to_bytes". The
+/// compiled form handles values of all types that have a plan, and replaces the Python function
+/// `python`. On failure, sets a Python error and returns null.
 PyObject* entry(const char* name, PyObject* python);
 
 }  // namespace gecos::python::plans

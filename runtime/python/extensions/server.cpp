@@ -202,8 +202,9 @@ class ServerHandle {
     ObjectOptions options;
     options.simulated = simulated;
     options.thread_safe = true;  // gecos_dispatch only queues the call
-    options.patience =
-        std::chrono::seconds(2);  // await_broker found a broker, but it may be restarting
+    // gecos/server.py has called await_broker before, so there was a broker. If this broker is
+    // restarting now, the patience gives it time to start.
+    options.patience = std::chrono::seconds(2);
     for (const std::string& medium : media) {
       const auto kind = media::kind_from(medium);
       if (!kind) {

@@ -116,8 +116,9 @@ def roster(robot: Object, after: int = 0, timeout: float | None = 0.0) -> Comman
 
 
 def stats(robot: Object) -> Command[ObjectStats]:
-    """Asks for the counts of the object since it is served: the calls of each operation and of each
-    open session by outcome, the times of handlers, and the samples of each stream.
+    """Asks what the object has counted since its server began to serve it: the calls of each
+    operation and of each open session by outcome, the times of handlers, and the samples of each
+    stream.
 
     The counts are those of the server. They do not include the samples that a reader of a stream
     has lost, which are in `stream.counts`; the latency of a connection is in `gecos.line_state`. A

@@ -214,7 +214,8 @@ class _Unobserved(Command[T, F]):
         if self._name in _warned:
             return  # a warning was already issued; the log reports later failures
         detail = Detail(self._core.peek()[0])
-        # The core itself marks a command as observed that was left out after an earlier failure.
+        # If the server did not carry out a command because an earlier command had failed, the core
+        # marks the later command as observed. Only the earlier command causes a warning.
         if detail is Detail.DONE or self._core.observed():
             return
         _warned.add(self._name)

@@ -142,7 +142,7 @@ def join(url: JoinUrl, owner: str) -> Party:
         with socket.create_connection((url.host, url.port), _ANSWERS_WITHIN) as line:
             _send(line, _signed(url, Party(key_folder.own_key(), owner), "join"))
             said = _receive(line, _ANSWERS_WITHIN)
-    except (OSError, UnicodeError) as error:  # UnicodeError: of a text that is no name of a host
+    except (OSError, UnicodeError) as error:  # a UnicodeError if url.host is not a host name
         where = f"{url.host}:{url.port}"
         raise EnrolmentError(
             f"nobody waits at {where} ({error}): the link was used, or has expired, or a firewall "

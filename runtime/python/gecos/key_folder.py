@@ -112,8 +112,8 @@ def add(file: Path, owner: str | None = None) -> str:
     """Admits the key in a .public file of another user, and returns the key. `owner` is the owner
     of the key, such as "anna@desk"; the lists of a lab file then decide what this user may do.
     Without `owner`, a key keeps the owner that it has. If the key or its owner was revoked, ends
-    this revocation. Raises KeyFolderError if the file cannot be
-    read or is not a public key, OSError if it cannot be copied, and RuntimeError like own_key."""
+    this revocation. Raises KeyFolderError if the file cannot be read or is not a public key,
+    OSError if it cannot be copied, and RuntimeError like own_key."""
     if owner is not None and not _core.is_key_owner(owner):
         raise KeyFolderError(f"{owner}: say whose key it is as USER@HOST, for example anna@desk")
     try:
@@ -145,7 +145,8 @@ def add(file: Path, owner: str | None = None) -> str:
                 "no list would limit this key; name the owner as USER@HOST, with the host on which "
                 "the owner uses the key"
             )
-        _put(_owner_file(key), f"{owner}\n".encode())  # first: a list may limit this key
+        # The owner is written before the key, because no list limits a key without an owner.
+        _put(_owner_file(key), f"{owner}\n".encode())
     _put(file_of(key), text)
     _pardon(key, owner or owner_of(key) or "")
     return key

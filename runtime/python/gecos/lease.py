@@ -158,12 +158,14 @@ def _acquire(
 
 
 def _await_reply(asked: _core.Command, on_position: Callable[[int], object] | None) -> None:
-    """Waits until `asked` has a reply. Meanwhile reports how many requests are before it."""
+    """Waits until the request `asked` has a reply. While the request waits in line, calls
+    `on_position` with the number of requests before it, and again when this number changes."""
     if on_position is None:
         asked.wait(None)
         return
     reported = None
-    while not asked.wait(0.05):  # a new position ends no wait
+    # `wait` does not return when only the position in the line changes, so each wait is short.
+    while not asked.wait(0.05):
         detail, position, _ = asked.progress()
         if detail == Detail.QUEUED and position != reported:
             reported = position

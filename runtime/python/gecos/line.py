@@ -15,7 +15,7 @@ class LineState:
     """The state of the connection of a proxy."""
 
     medium: str
-    bound: float  # s, longest round trip that the interface allows; 0: none, nothing is measured
+    bound: float  # s; longest round trip that the interface allows; 0: no limit, no measurement
     round_trip: float | None  # s, as measured last
     degraded: bool  # the round trip has exceeded the bound for a second
     # The number of changes so far. A change is a new value of `degraded`, or a failover that

@@ -12,9 +12,9 @@ Publish = Callable[[threading.Event], object]
 
 
 class Publisher:
-    """Runs a function that publishes samples in a thread of its own. The end of the `with` block
-    sets the event that was given to the function, and waits until the function returns. If the
-    function raised an exception, the end of the block raises this exception again."""
+    """Runs a function in a thread of its own; the function publishes samples. The end of the `with`
+    block sets the event that was given to the function, and waits until the function returns. If
+    the function raised an exception, the end of the block raises this exception again."""
 
     def __init__(self) -> None:
         self._ended = threading.Event()

@@ -34,8 +34,8 @@ class Sample(Generic[T]):
     value: T
     sequence: int  # increases by one with each published sample
     # The number of samples that were published after the previously read sample and before this
-    # one. For the first sample of a subscription: 0 if it is a stream, and the number of events
-    # since the subscription if it is an event.
+    # one. The first sample of a subscription to a stream has 0 here. The first event of a
+    # subscription has the number of earlier events that were sent after the subscription.
     lost: int
     stamp: float  # time of measurement for display: Unix time in s, by the server's clock
     # The time in s from measurement to reading. Setting a clock does not change the age. The age is
@@ -95,8 +95,11 @@ class Stream(Generic[T]):
         self._read = self._after  # sequence number of the last sample that was read
         self._measured_ns = 0  # time stamp of the last sample that was read
         self._returned: deque[Sample[T]] = deque()  # samples whose readers were cancelled
-        self._unread: Sample[T] | None = None  # the last sample, if a cancelled reader returned it
-        self._missed = 0  # samples returned after a later sample had been read
+        # The sample that was read last, if its reader was cancelled and has returned it.
+        self._unread: Sample[T] | None = None
+        # Samples that count as lost, because a cancelled reader returned them after another reader
+        # had read a later sample. Samples that were lost before such a sample count, too.
+        self._missed = 0
         self._last_unreadable = 0
         self._unreadable = 0
 
@@ -143,7 +146,8 @@ class Stream(Generic[T]):
 
     @contextlib.contextmanager
     def _turn_to_look(self) -> Iterator[None]:
-        """Makes this thread the only reader for a read that does not wait for a sample."""
+        """Makes this thread the only reader of the stream, for one read that does not wait for a
+        sample."""
         while self._occupied() or not self._reading.acquire(timeout=_MOMENT):
             if self._occupied():
                 raise RuntimeError(
@@ -333,7 +337,8 @@ class Stream(Generic[T]):
         try:
             value, octets = self._octets.decode(memoryview(memory))
         except DecodeError:
-            if memory.intact():  # else it was overwritten meanwhile
+            # Octets that the publisher has begun to overwrite do not make a sample unreadable.
+            if memory.intact():
                 self._note_unreadable(sequence)
             return None
         if not memory.intact():

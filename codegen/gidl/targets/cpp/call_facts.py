@@ -140,9 +140,9 @@ class CallFacts:
     def _writing(
         self, slots: list[Slot], size: str, to: str, taken: Collection[str]
     ) -> WritingView:
-        """Returns the view of a lambda that encodes `slots`. `size` and `to` are the names of its
-        variables for the size and for the encoder; its other variables get names that are not in
-        `taken`."""
+        """Returns the view of a lambda that encodes `slots`. In the text of the lambda, `size`
+        is the name of the variable for the size, and `to` is the name of the encoder. The other
+        variables get names that are not in `taken`."""
         sizing, expression = self._lowering.whole_size(slots, size, taken)
         used = {*taken, size, to}
         lines = [line for s in slots for line in self._lowering.encode(s, to, names.Locals(used))]

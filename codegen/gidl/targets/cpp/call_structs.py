@@ -46,7 +46,8 @@ from gidl.wire.wire_nodes import (
 
 @dataclass(frozen=True, slots=True)
 class ListedView:
-    """A struct with a function that lists its members, from which the runtime gets its codec."""
+    """A generated struct, and the generated function that lists the members of the struct. From
+    this list, the runtime derives the codec of the struct."""
 
     name: str
     doc: str
@@ -57,8 +58,8 @@ class ListedView:
 
 @dataclass(frozen=True, slots=True)
 class ResultView:
-    """A result of a call for which no struct is generated, because a class template of the runtime
-    has the codec."""
+    """The result of a call. gidl generates no struct for this result: its type is an instance of a
+    class template of the runtime, which contains the codec."""
 
     name: str
     type: str
@@ -122,7 +123,8 @@ class _Step:
 
     type: str
     arguments: tuple[str, ...] = ()
-    default: bool = field(default=False, kw_only=True)  # True: the C++ type implies this step
+    # True if the C++ type of the value already implies this encoding.
+    default: bool = field(default=False, kw_only=True)
 
     @property
     def value(self) -> str:
@@ -201,8 +203,8 @@ class _Calls(Structs):
 
     def _step(self, node: Node, inside: bool, secret: bool = False) -> _Step:
         """Returns the encoding of a value. `inside` tells that the value is an element of a
-        sequence or map. The decoder of a sequence or map must know the smallest size of an element
-        in bytes."""
+        sequence or map. The encoding of a struct or union then contains the smallest size of such
+        a value in bytes, because the decoder of a sequence or map must know this size."""
         if secret:
             step = self._step(node, inside)
             arguments = (step.value,) if step.arguments else ()

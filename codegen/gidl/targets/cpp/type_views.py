@@ -27,7 +27,7 @@ class EnumView:
     enumerators: tuple[EnumeratorView, ...]
     unknown: str  # enumerator that replaces an unknown number; "" if such a number is refused
     words: tuple[tuple[str, str], ...]  # pairs of enumerator and its IDL name
-    cases: tuple[str, ...]  # lines of the labels of the known numbers
+    cases: tuple[str, ...]  # lines with the `case` labels of all enumerators
     known: str  # the enumerators, for the message about an unknown number
 
 

@@ -11,8 +11,8 @@ from gidl.model import File, Interface, Model, Operation, Struct
 from gidl.targets.naming import LocalNames
 from gidl.wire.wire_layout import Layout
 
-# ObjectRef, which is the type of all values whose declared type is an interface, and the file that
-# declares ObjectRef.
+# If the declared type of a value is an interface, the value has the type ObjectRef. The first
+# constant is the scoped name of ObjectRef, the second the path of the file that declares ObjectRef.
 OBJECT_REF = "gecos::ObjectRef"
 _OBJECT_REF_FILE = "gecos/object_ref.gidl"
 

@@ -137,7 +137,9 @@ class Tables(CallFacts):
             access, presence = member.write_access, member.write_needs_presence
             flags = {"idempotent": member.idempotent}
         else:
-            access, presence = member.read_access, True  # `_getter` sets presence=False itself
+            # The generated code calls `_getter`, which sets presence=False itself. With True here,
+            # no argument for the presence is printed.
+            access, presence = member.read_access, True
         terms = [f"0x{layout.code:08X}", quoted(short_name(layout)), f"_Access.{access.name}"]
         terms += ["kind=_Kind.SETTER"] if setter else []
         terms += [] if presence else ["presence=False"]
@@ -147,7 +149,9 @@ class Tables(CallFacts):
             terms.append(f"on_new=_OnNew.{member.on_new.name}")
         if member.on_loss is not OnLoss.STOP:
             terms.append(f"on_loss=_OnLoss.{member.on_loss.name}")
-        # The runtime divides the terms of a stream between the stream and its getter.
+        # The getter of a stream is printed with all quality terms of the stream. The function
+        # `method` of gecos/interface.py gives these terms to the stream, and removes from the
+        # getter those that do not apply to calls.
         asked = quality((member.qos if getter else member.qos_of_calls).of_member)
         terms += [] if asked == _NO_TERMS else [f"quality={asked}"]
         terms.append(f"hash=0x{layout.hash:016X}")

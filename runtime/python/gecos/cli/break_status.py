@@ -9,7 +9,7 @@ from gecos.cli.options import broker_option, json_option, name_argument, print_j
 
 @click.command("break")
 @name_argument
-@click.option("--why", required=True, help="The reason, which the holders get.")
+@click.option("--why", required=True, help="The reason, which the holders are told.")
 @broker_option
 @json_option
 def break_status(name: str, why: str, broker: str | None, as_json: bool) -> None:

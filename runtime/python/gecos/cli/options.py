@@ -14,8 +14,8 @@ from click.shell_completion import CompletionItem
 if TYPE_CHECKING:
     import gecos
 
-_MOST = 1e6  # s
-_MOMENT = 0.5  # s for which a completion waits for a broker and for a server
+_MOST = 1e6  # largest number that an option accepts by default, in most options seconds
+_MOMENT = 0.5  # s; longest wait of a completion for the answer of a broker or of a server
 
 
 Completion = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]

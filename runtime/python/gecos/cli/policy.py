@@ -40,9 +40,11 @@ def policy() -> None:
 @click.option(
     "--server-user",
     metavar="USER",
-    help="User of the server; default: as the broker says, else yours.",
+    help="User who runs the server; default: the user whom the broker names, else you.",
 )
-@click.option("--serve", is_flag=True, help="Say whether [names] lets USER serve OBJECT.")
+@click.option(
+    "--serve", is_flag=True, help="Say whether [names] of the file lets USER serve OBJECT."
+)
 @broker_option
 @json_option
 def test(
@@ -119,7 +121,9 @@ class _Found:
 
     allowed_by_file: bool
     rule: str  # the rule of the lab file that decides, as a sentence
-    server: ServerUser | None = None  # None with --serve, which asks about the name OBJECT
+    # The user who runs the server of the object. None with --serve, because this option only asks
+    # whether USER may serve an object of this name.
+    server: ServerUser | None = None
     program: str = ""  # how a list in the program of the server may change the verdict
     answer: Answer | None = None  # what the object answered; None: the object was not asked
     member: Member | None = None
@@ -166,7 +170,8 @@ def _may_connect(
     except ValueError as error:
         raise UsageFailure(str(error)) from None
     if who in (of, ("root", server.host)):
-        return found  # whatever the lists say
+        # A server always admits its own user and root of its host, so no list can change this.
+        return found
     list_of_program = (
         "a list in the program of the server (`allow`, or `users` and `hosts` of `serve`)"
     )
@@ -309,7 +314,7 @@ def named_file() -> Path | None:
     return _OF_THIS_HOST if _OF_THIS_HOST.exists() else None
 
 
-_LARGEST_FILE = 1 << 16  # bytes, as of a server
+_LARGEST_FILE = 1 << 16  # bytes; servers refuse a larger lab file
 
 
 def text_of(path: Path) -> str:

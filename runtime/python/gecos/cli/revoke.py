@@ -33,7 +33,7 @@ def revoke(name: str, broker: str | None, as_json: bool) -> int:
     fingerprint. Your servers on this host end the sessions and streams within 5 s, and so do all
     servers that hear the broker, if the broker runs as you. Servers that were not reached, and
     lists that still name the user, are printed; the exit code is then 3. A server that the broker
-    does not reach applies the revocation at its next contact.
+    does not reach applies the revocation at its next contact with the broker.
     """
     gone = _remove(name)
     reached, missed = _servers(broker, name, gone)

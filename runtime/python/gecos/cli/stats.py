@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 @broker_option
 @json_option
 def stats(name: str | None, broker: str | None, as_json: bool) -> None:
-    """Shows what an object has counted since it is served: calls by outcome, calls that were late,
-    times of handlers, samples of streams, and the calls of each open session. Without NAME, prints
-    a line for each object that is online."""
+    """Shows what an object has counted since its server began to serve it: calls by outcome, calls
+    that were late, times of handlers, samples of streams, and the calls of each open session.
+    Without NAME, prints a line for each object that is online."""
     import gecos
 
     with gecos.Lab(broker) as lab:

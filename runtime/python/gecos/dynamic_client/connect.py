@@ -65,11 +65,12 @@ def find(
 ) -> Object:
     """Connects to the object called `name`, whatever its interface, or to the broker itself, which
     is called BROKER. The proxy has only the built-in operations. While the object is not online, no
-    broker answers, or the broker refuses this program, tries again for `wait` s: a server that
-    starts may make this user a visitor of the broker. An attempt asks up to three questions, and
-    waits up to `patience` s for each answer. Raises CreateError, which says since when the object
-    is silent, proposes a similar name, or lists the objects online. Raises CommandFailed or
-    ConnectionFailed if the broker dies before it has answered."""
+    broker answers, or the broker refuses this program, tries again for `wait` s. (A server that
+    starts may make this user a visitor of the broker; then the broker no longer refuses.) Each
+    attempt makes up to three calls, and waits up to `patience` s for each reply. Raises
+    CreateError, which says since when the object is silent, proposes a similar name, or lists the
+    objects online. Raises CommandFailed or ConnectionFailed if the broker dies before it has
+    answered."""
     end = time.monotonic() + wait
     given = patience
     # The error to raise when no attempt succeeds.
@@ -146,9 +147,10 @@ def connect_to(
 
 def objects_here(lab: Lab, *, patience: float = 2.0) -> tuple[dict[str, Object], dict[str, str]]:
     """Connects to all objects whose sockets are in the runtime directory of this user, without a
-    broker. The proxies have only the built-in operations. Returns the proxies, and the reason for
-    each object that does not answer although its server seems to live, both by name. A socket has
-    only the first 32 characters of a name."""
+    broker. Returns two dicts. The first has the proxies, with the names of the objects as keys; the
+    proxies have only the built-in operations. The second has each object that does not answer
+    although its server seems to live, with the reason. Its keys are names of sockets, which contain
+    only the first 32 characters of the names of objects."""
     from concurrent.futures import ThreadPoolExecutor
     from pathlib import Path
 
@@ -167,7 +169,8 @@ def objects_here(lab: Lab, *, patience: float = 2.0) -> tuple[dict[str, Object],
         for socket, answer in zip(sockets, opened, strict=True):
             if not isinstance(answer, str):
                 found[answer._gecos_session.object_name] = answer
-            elif "no server listens" not in answer:  # a killed server left its socket
+            # A socket on which no server listens is left over from a killed server, and is skipped.
+            elif "no server listens" not in answer:
                 silent[socket.name.split(".")[0]] = answer
     return found, silent
 

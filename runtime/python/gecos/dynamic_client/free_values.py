@@ -14,9 +14,9 @@ _MAX_OPEN = 64  # levels of types, including sequences
 
 
 def check_free_values(model: Model) -> None:
-    """Raises `Malformed` if one value of a type may contain more than `_MAX_FREE` values that take
-    no bytes, or if the parameters and the result of a member of an interface together may contain
-    more. Values that take no bytes are empty structs, and arrays and structs of empty structs.
+    """Raises `Malformed` if one value of a type may contain more than `_MAX_FREE` values whose
+    encoding has no bytes, or if the parameters and the result of one call may together contain
+    more. The values without bytes are empty structs, and arrays and structs of empty structs.
 
     @pre no type contains itself other than through a sequence
     """

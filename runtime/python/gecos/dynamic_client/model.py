@@ -15,7 +15,7 @@ from gecos.interface import ASKED_NOTHING, Access, OnLoss, OnNew, Quality
 from gecos.record import Record
 
 OBJECT_REFERENCE = "gecos::ObjectRef"
-"""The type of the values that refer to an object: those whose declared type is an interface."""
+"""The type of references to objects. A value has this type if its declared type is an interface."""
 
 
 class ModelError(ValueError):

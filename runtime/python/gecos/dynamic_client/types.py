@@ -373,7 +373,8 @@ def _check_size(element: layout.Step, count: int) -> None:
     """Refuses an array of very many elements that take no bytes, because the size of a message does
     not limit the number of such elements."""
     kind = kind_of(element)
-    # A Later is a type that contains itself through a sequence, whose count takes bytes.
+    # The kind Later stands for a type that contains itself. Such a type contains a sequence of its
+    # own values, and the count of this sequence takes bytes.
     takes_bytes = isinstance(kind, Later) or kind.least
     if count > MAX_ZERO_WIDTH and not takes_bytes:
         raise Malformed(f"an array of {count} values that take no bytes")

@@ -12,7 +12,7 @@ from typing import Any
 from gecos import _core
 
 CLOCK_VARIABLE = "ROBCL_CLOCK"
-"""The simulated devices of a laboratory read the speed of its clock from this variable."""
+"""The environment variable from which simulated devices read the speed of the lab clock."""
 _SLOWEST_CLOCK, _FASTEST_CLOCK = 0.1, 100_000.0
 
 
@@ -27,8 +27,9 @@ class Program:
     name: str  # the name for people, for example "RX90"
     run: tuple[str, ...]  # the program and its arguments
     restart: bool = False  # True: start it again when it ends by itself
-    # The program is ready after a line with this text; "": at once; None: after a line that servers
-    # print by default
+    # The program is ready when it has printed a line that contains this text. "": the program is
+    # ready at once. None: the program is ready when it has printed a line that servers usually
+    # print, for example "serving RX90".
     ready: str | None = None
     environment: Mapping[str, str] = field(default_factory=dict)
     line: int = 0  # line in lab.toml; 0 if there is no file

@@ -55,7 +55,7 @@ class _Process:
         self._is_ready = program.ready == ""
         self._ready_or_ended = threading.Event()
         self._over = threading.Event()
-        self._status = 0  # as of subprocess; valid when `_over` is set
+        self._status = 0  # as `Popen.returncode`; valid once `_over` is set
         self._reaped = False
         self._ended = ended
         self._process = subprocess.Popen(

@@ -15,20 +15,21 @@ class UnreadLists:
     """Watches the file of a laboratory if this file had no lists when the programs were started.
     The programs then do not read the file, so they ignore lists that are added later.
 
-    `gecos up` gives the programs only a file with lists, for two reasons. A program reads this file
-    in place of the lab file of the host, and would miss the lists and zones of the host's file.
-    Servers also refuse a file that a group may write."""
+    If the file has no lists, `gecos up` does not name it to the programs, for two reasons. The
+    programs would read it in place of the lab file of the host, whose lists and zones would then
+    have no effect. Servers would also refuse the file if a group may write it."""
 
     def __init__(self, laboratory: LaboratoryDescription) -> None:
         watched = bool(laboratory.file) and not laboratory.names_users
         self._file = Path(laboratory.file).resolve() if watched else None
         self._shown = laboratory.file
-        # The first check reads the file again, because a user may have edited the file meanwhile.
+        # The first check reads the file again in any case, because a user may have edited the file
+        # after `laboratory` was read from it.
         self._seen: tuple[int, int] | None = None
 
     def appeared(self) -> str:
-        """Returns a message for the user once, when lists have appeared in the file; otherwise "".
-        While the file has an error, its lists do not count."""
+        """Returns a message for the user at the first call after lists were added to the file. All
+        other calls return "". While the file has an error, its lists do not count."""
         if self._file is None or (state := self._state()) == self._seen:
             return ""
         self._seen = state

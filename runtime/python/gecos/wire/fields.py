@@ -71,7 +71,8 @@ class Fields:
         for code, name in zip(self._codes, self._names, strict=True):
             if source.remaining < struct.calcsize(">" + code):
                 source.refuse(DecodeProblem.TRUNCATED, name)
-            source.number(code, name)  # an invalid boolean is reported before a later TRUNCATED
+            # An invalid boolean in front of the missing bytes is reported instead of TRUNCATED.
+            source.number(code, name)
         raise AssertionError("too few bytes for all numbers, but enough for each of them")
 
     def _unfit(self, values: tuple[Any, ...]) -> EncodeError | TypeError:

@@ -31,8 +31,9 @@ class OctetsInPlace:
         self._kind = kind
 
     def encode(self, value: Any, octets: int) -> tuple[bytes, bytes]:
-        """Returns the bytes before and after the octets. Raises EncodeError if `value` has octets,
-        and if a member must not be sent."""
+        """Returns the encoded bytes before the octets, and those after them. `octets` is the number
+        of the octets. Raises EncodeError if `value` itself has octets, or if a member must not be
+        sent."""
         layout, index = self._layout, self._index
         parts: tuple[Parts, Parts] = ([], [])
         for i, attribute in enumerate(layout.attributes):

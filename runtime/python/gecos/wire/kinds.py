@@ -112,7 +112,8 @@ class Number(Kind):
             return data
         if self.code in "fd":
             return self._floating(data, path)
-        if type(data) is not float:  # a fraction is refused below, with its value
+        # A float passes this check, because the error below shows its value.
+        if type(data) is not float:
             expect_json(int, data, path, "a whole number")
         low, high = limits_of(self.code)
         if type(data) is float or not low <= data <= high:

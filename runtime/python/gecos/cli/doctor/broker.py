@@ -144,7 +144,7 @@ def _mend(reason: str, at: BrokerPlace, us: str) -> str:
 
 
 def _tried(reason: str) -> str:
-    """Returns the addresses that were tried, from `reason`. The advice in `reason` is left out,
-    because `mend` contains it."""
+    """Returns the addresses in `reason` at which this program looked for a broker. Leaves out the
+    advice in `reason`, because the finding gives its own advice."""
     _, _, tried = reason.partition("(tried ")
     return tried.removesuffix(")") or reason

@@ -19,7 +19,7 @@ NEEDED = [
 """The names in gecos._core that this version of gecos uses."""
 
 _PACKAGES = {
-    "libglib-2.0.so.0": "libglib2.0-0",  # LCM needs it; liblcm is part of the extension
+    "libglib-2.0.so.0": "libglib2.0-0",  # needed by LCM, which is part of the extension
     "libsodium.so.23": "libsodium23",
     "libstdc++.so.6": "libstdc++6",
 }

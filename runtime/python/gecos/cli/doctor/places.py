@@ -18,7 +18,8 @@ def runtime_directory(problem: str | None, where: str) -> Finding:
         return fine("runtime directory", "only this user can write to it", where)
     text = problem.removeprefix("shm: ")
     what, closing, _ = text.partition("; run:  chmod ")
-    if closing:  # the runtime does not quote the path in its command
+    # The command in `problem` is replaced, because the runtime does not quote the path in it.
+    if closing:
         return wrong("runtime directory", what, where, shlex.join(["chmod", "go-w", where]))
     what, advice, _ = text.rpartition("; ")
     return wrong("runtime directory", what if advice else text, where, _ANOTHER)

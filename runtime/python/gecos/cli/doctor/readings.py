@@ -15,7 +15,7 @@ from pathlib import Path
 from gecos.cli.doctor.broker import Answer, BrokerPlace
 from gecos.cli.doctor.keys import Kind, Place
 
-_ASKED_FOR = 1.0  # s for which a broker is asked
+_ASKED_FOR = 1.0  # s; longest wait for the answer of a broker
 _SEALS = ["F_SEAL_SHRINK", "F_SEAL_GROW", "F_SEAL_SEAL"]
 _F_SEAL_FUTURE_WRITE = 0x10  # fcntl has no name for it before Python 3.13
 _OF_A_PROCESS = re.compile(r"[^.]*\.(\d+)\.\d+\.sock")

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from gecos.cli.plot.recording import Recording
 
 _SUFFIXES = (".svg", ".png")
-_FEWEST = 3  # samples of a motion that has an acceleration
+_FEWEST = 3  # fewest samples from which an acceleration can be computed
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
 
