@@ -18,8 +18,9 @@ std::vector<double> excess_of_mean(const Path& path, const arm::ArmModel& model,
                                    const std::vector<IntervalLimits>& limits, const TimeLaw& law,
                                    std::size_t from_knot, const Smoothing& smoothing);
 
-/// Reduces the limits of each interval of `path`, so that the mean of a motion keeps `limits` if
-/// the time law of the motion keeps the returned limits and is nowhere faster than `fastest`.
+/// Returns `limits`, reduced for each interval of `path`, so that the mean of a motion keeps
+/// `limits`. This holds for a motion whose time law keeps the reduced limits and is nowhere faster
+/// than `fastest`.
 std::vector<IntervalLimits> narrowed(const Path& path, const arm::ArmModel& model,
                                      std::vector<IntervalLimits> limits, const TimeLaw& fastest,
                                      const Smoothing& smoothing);

@@ -34,8 +34,8 @@ class MoveChain {
   /// The place where one move goes over into the next one.
   struct Corner {
     double begins = 0, ends = 0;  ///< s in the chain
-    double distance = 0;          ///< from the goal to the tool that passes it, m
-    double angle = 0;             ///< rad
+    double distance = 0;          ///< distance at which the tool passes the goal, m
+    double angle = 0;             ///< angle of the tool from the goal at this place, rad
   };
   /// Adds the move `next`, which must start at goal(), to the chain without a stop. Does not change
   /// the motion before the time `after`. Returns nullopt, and changes nothing, if the arm cannot go

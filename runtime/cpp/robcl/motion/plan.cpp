@@ -15,7 +15,7 @@ constexpr double content = 1.0003;
 constexpr int most_tries = 8;
 // A motion that does not start at rest cannot be slowed at its start. If its initial speed makes it
 // exceed the limits, each new try slows only the remaining motion. If the motion of a try lasts
-// more than this many times as long as the motion of the first try, planning fails.
+// longer than the motion of the first try, multiplied by this factor, planning fails.
 constexpr double most_slowed = 3;
 double just_kept(const Smoothing& smoothing) { return smoothing.on() ? 1.0008 : content; }
 

@@ -24,8 +24,8 @@ class Playback final : public TrajectoryGenerator {
   /// Makes the motion go over into `plan` at the knot `plan.entry`. Up to this knot, `plan` is a
   /// part of the last plan. `begins` is the time in s at which the time law of `plan` begins, by
   /// the time laws of all plans so far. If the motion brakes or has already passed the knot, the
-  /// motion ends as if `append` had not been called. Only one thread may call this function, which
-  /// need not be the thread of the control loop.
+  /// motion ends as if `append` had not been called. Only one thread may call this function. This
+  /// thread need not be the thread of the control loop.
   void append(Plan plan, double begins);
   /// Returns the number of the plan on whose path the set points are: 0 for the first one, 1 for
   /// the first one that was appended. Only the thread that appends may call this function.

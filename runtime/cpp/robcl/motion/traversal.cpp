@@ -147,8 +147,9 @@ double Traversal::acceleration(double seconds) const {
 }
 
 /// Returns whether the motion can slow down in time after `seconds` with d²s/dt² = `u`. The limit
-/// of jerk lets d²s/dt² fall by at most `change` within one window of the smoothing. So the plan,
-/// slowed to the speed of the motion, must nowhere within this window require a lower d²s/dt².
+/// of jerk lets d²s/dt² fall by at most `change` within one window of the smoothing. Therefore the
+/// plan, slowed to the speed of the motion, must not require a lower d²s/dt² than that anywhere
+/// within this window.
 bool Traversal::can_slow_down(double u, double seconds, double change) const {
   const Smoothing& smoothing = plan().smoothing;
   const TimeLaw& law = plan().law;
