@@ -7,7 +7,8 @@ namespace robcl::arm {
 namespace {
 
 // The square of the damping factor. The factor is small, because damping slows the convergence.
-// Near a singularity, such a small factor lets the search leave the range `furthest`.
+// Near a singularity, a search with such a small factor may leave the range `furthest`, and then
+// fails.
 constexpr double damping = 1e-10;
 
 }  // namespace

@@ -67,8 +67,8 @@ class SphericalWristInverse final : public InverseKinematics {
   Eigen::Matrix3d base_from_plane_;  // columns: joint 1's direction, axis 2, axis 1
   Eigen::Vector3d origin_;           // point of axis 1 at the height of axis 2
 
-  // The following members are lengths in m and angles in rad in the arm's plane. The angles are
-  // measured from axis 1 towards the direction of joint 1.
+  // The following members are lengths in m and angles in rad in the plane in which joints 2 and 3
+  // move the arm. The angles are measured from axis 1 towards the direction of joint 1.
   double shoulder_ = 0;  // distance from axis 1 to axis 2
   double lateral_ = 0;   // offset of the wrist centre along axis 2
   double upper_arm_ = 0, upper_arm_angle_ = 0;
