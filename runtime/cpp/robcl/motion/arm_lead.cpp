@@ -23,8 +23,8 @@ constexpr double near_singularity = 0.05;
 // accuracy is enough, because JointLimiter keeps the limits of the joints in any case.
 constexpr double foresight = 1e-6;
 
-/// Returns the twist in the direction of `way` with the given speeds. A part of `way` that is zero
-/// remains zero.
+/// Returns the twist in the direction of `way` with the given speeds. If the displacement or the
+/// rotation of `way` is zero, it remains zero.
 arm::PoseStep twist(const arm::PoseStep& way, double speed, double turn_speed) {
   arm::PoseStep result;
   result << way.head<3>().stableNormalized() * speed, way.tail<3>().stableNormalized() * turn_speed;

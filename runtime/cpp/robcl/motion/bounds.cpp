@@ -34,8 +34,8 @@ PathBounds::PathBounds(const Path& path, const arm::ArmModel& model,
   }
 }
 
-/// Lowers the cap at the knot `knot` to the speed that `limits` allow there. `limits` are the
-/// limits of an interval beside the knot, and `slope` is the slope of the path at the knot.
+/// Lowers the cap of (ds/dt)² at the knot `knot` to the value that `limits` allow there. `limits`
+/// are the limits of an interval beside the knot, and `slope` is the slope of the path at the knot.
 void PathBounds::cap(std::size_t knot, const JointValues& slope, const IntervalLimits& limits) {
   double& cap = caps_[knot];
   cap = std::min(cap, limits.cap);

@@ -35,10 +35,10 @@ struct Move {
   const JointValues& goal() const { return path.knot(path.intervals()); }
 };
 
-/// Lowers the cap of an interval on a line, so that the tool keeps the limits `speed`, in m/s and
-/// rad/s. Where the tool deviates from its line, it moves and turns faster than on the line.
-/// `faster` is the greatest difference of these speeds, in m and rad per unit of the path parameter
-/// s.
+/// Lowers the cap of (ds/dt)² in an interval of a straight move, so that the tool keeps the limits
+/// `speed`, in m/s and rad/s. Where the tool deviates from its line, it moves and turns faster than
+/// on the line. `faster` is the greatest difference of these speeds, in m and rad per unit of the
+/// path parameter s.
 void lower_cap(IntervalLimits& limits, const WayAndTurn& speed, const WayAndTurn& faster);
 
 /// Returns the speed of the tool on the line of `move`, in m and rad per unit of s; zeros for a

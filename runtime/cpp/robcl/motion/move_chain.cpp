@@ -221,7 +221,7 @@ MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry
     // because of rounding.
     if (i == entry && end - plan_.path.place(i) < rounding * plan_.path.step(i)) break;
     // A knot just before the end would make a very short interval, so the end replaces this knot.
-    // The knots of a short corner are close together, and are not left out.
+    // The knots of a short corner are kept, although they are close together.
     const double step =
         std::min(plan_.path.step(i), plan_.path.step(std::min(i + 1, last_interval)));
     const bool last = i >= entry && plan_.path.place(i + 1) > end - step / 4;
@@ -460,8 +460,8 @@ bool MoveChain::slower_than_stops(const Plan& plan, double begins,
                                   const std::vector<Overlap>& overlaps) const {
   const double added = begins + plan.law.duration() - ends();
   if (overlaps.size() == 1) {
-    // Most moves add little more to the motion than their duration at full speed. Such moves are
-    // not compared with a plan that stops, because making this plan takes time.
+    // Most moves prolong the motion by little more than their duration at full speed. Such moves
+    // are not compared with a plan that stops, because making this plan takes time.
     constexpr double usual = 1.5, slack = 0.1;  // s
     const Move& next = overlaps.front().next;
     return added > usual * next.duration() + slack && added > planner_.plan(next).duration();

@@ -43,10 +43,10 @@ class MoveChain {
   /// the corner, that the corner is beyond a limit, that a motion with a stop would end sooner, or
   /// that a move has no length.
   std::optional<Corner> extend(const Move& next, double after);
-  /// Adds successive moves and plans the motion only once. Returns the corner before each of them.
-  /// Returns nullopt, and changes nothing, if the moves cannot be planned together. The caller can
-  /// then add the moves one after the other.
-  /// @pre `next` has at least one move, and each starts at the goal of the one before.
+  /// Adds successive moves and plans the motion only once. Returns the corner before each of the
+  /// new moves. Returns nullopt, and changes nothing, if the moves cannot be planned together. The
+  /// caller can then add the moves one after the other. @pre `next` has at least one move, and each
+  /// starts at the goal of the one before.
   std::optional<std::vector<Corner>> extend(std::span<const Move> next, double after);
 
   // All times are in s since the start of the chain, by the time laws of its plans.

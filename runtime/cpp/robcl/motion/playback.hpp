@@ -13,9 +13,9 @@
 
 namespace robcl::motion {
 
-/// Computes the set points of the joints for each control cycle of a plan. Except for `append`,
-/// `elapsed` and `entered`, only the control loop calls these functions; they never allocate
-/// memory, lock or log.
+/// Computes the set points of the joints for each control cycle of a plan. Only the control loop
+/// calls the functions other than `append`, `elapsed`, `entered` and `lag`. The functions that the
+/// control loop calls never allocate memory, lock or log.
 class Playback final : public TrajectoryGenerator {
  public:
   /// @pre `plan` begins at rest.
@@ -35,7 +35,8 @@ class Playback final : public TrajectoryGenerator {
   /// limit of jerk, the set points lag behind this time by lag(). Any thread may call this
   /// function.
   double elapsed() const { return elapsed_.load(); }
-  /// Returns the greatest time in s by which the set points lag behind the time laws.
+  /// Returns the greatest time in s by which the set points lag behind the time laws. Any thread
+  /// may call this function.
   double lag() const { return lag_; }
 
   const JointValues& start() const override { return start_; }

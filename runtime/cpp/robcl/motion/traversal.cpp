@@ -203,8 +203,8 @@ bool Traversal::can_follow_law() const {
   return true;
 }
 
-/// Returns whether rounding may have stopped the joints just before the goal: for so short a way,
-/// d²s/dt² is too small for `greatest_admitted` to find.
+/// Returns whether rounding may have stopped the joints just before the goal: the remaining way can
+/// be so short that `greatest_admitted` does not find the very small d²s/dt² that it needs.
 bool Traversal::nearly_at_goal() const {
   constexpr double negligible = 1e-8;  // rad, or 1/s as ds/dt
   if (speed_ > negligible) return false;
