@@ -249,9 +249,10 @@ std::optional<MoveFailure> ArmMotion::begin(Link& link) {
   return std::nullopt;
 }
 
-/// Lets the motion go over into as many of the waiting moves as possible. One plan for all of them
-/// takes about as long as a plan for one of them, and may take longer than a short move lasts.
-/// Therefore at most one plan is made between two calls of `watch`.
+/// Lets the motion go over into as many of the waiting moves as possible. Making a plan may take
+/// longer than a short move lasts, but one plan for all waiting moves takes about as long as a plan
+/// for one of them. Therefore waiting moves are collected: at most one plan is made between two
+/// calls of `watch`.
 void ArmMotion::join_waiting() {
   plan_made_ = true;
   try {

@@ -48,7 +48,8 @@ class ArmMotion {
 
   /// A move that a caller wants.
   struct Request {
-    /// Makes the move from the joint positions `from`.
+    /// A function that returns the move from the joint positions `from` to the goal, or the reason
+    /// why this move is impossible.
     std::function<tl::expected<robcl::motion::Move, MoveFailure>(robcl::motion::Planner& planner,
                                                                  const JointValues& from)>
         make;
