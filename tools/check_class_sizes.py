@@ -1,8 +1,8 @@
 """Counts the methods and members of each C++ class of the runtime and the devices. A class that has
-more of them than most says why in the comment in front of it: "more methods than other classes, …".
+too many must say why in the comment in front of it: "more methods than other classes, …".
 
-The count is of the text, without a compiler: each declaration of the class itself, overloads each,
-without those of nested classes, `= delete`, friends and aliases.
+The declarations are counted in the text, without a compiler. Each overload counts. Declarations of
+nested classes, deleted functions, friends and aliases do not count.
 """
 
 import re
@@ -36,7 +36,7 @@ class Size:
     members: int
 
     def unexplained(self) -> list[str]:
-        """What the class has too many of without saying why: "35 methods"."""
+        """Returns each count that is too large and not explained, such as "35 methods"."""
         said = " ".join(self.comment.replace("///", "").split()).lower()
         counted = {"methods": (self.methods, MOST_METHODS), "members": (self.members, MOST_MEMBERS)}
         return [
@@ -47,7 +47,7 @@ class Size:
 
 
 def own_declarations(body: str) -> list[str]:
-    """The declarations of a class body; what stands in braces is left out."""
+    """Returns the declarations in a class body, without the text inside braces."""
     text = re.sub(r"//[^\n]*", "", body)
     text = re.sub(r"^ *(public|private|protected):", "", text, flags=re.MULTILINE)
     flat, depth = "", 0

@@ -7,11 +7,11 @@ import sys
 import tempfile
 from collections.abc import Callable
 
-GROUP = "239.255.76.67"  # what LCM uses; sent with ttl 0, so that it stays on this host
+GROUP = "239.255.76.67"  # the group of LCM; ttl 0 keeps datagrams on this host
 
 
 def sealed_memory() -> str | None:
-    """Shared memory comes from memfd_create with seals."""
+    """Checks memfd_create with seals, from which the medium shm gets its shared memory."""
     try:
         descriptor = os.memfd_create("check_host", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
     except OSError as error:
@@ -24,7 +24,7 @@ def sealed_memory() -> str | None:
 
 
 def process_descriptors() -> str | None:
-    """A peer's death is read from a pidfd."""
+    """Checks pidfd_open, by which the medium shm notices that a peer has died."""
     try:
         os.close(os.pidfd_open(os.getpid()))
     except OSError as error:
@@ -36,7 +36,7 @@ def process_descriptors() -> str | None:
 
 
 def unix_sockets() -> str | None:
-    """Clients meet a server on a Unix socket that names their user."""
+    """Checks that a Unix socket names the user of a client, as servers of the medium shm need."""
     try:
         with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX) as listener:
             path = f"{folder}/s"
@@ -59,7 +59,7 @@ def unix_sockets() -> str | None:
 
 
 def multicast() -> str | None:
-    """LCM sends to a multicast group and must hear itself."""
+    """Checks that a datagram to the multicast group of LCM comes back to this host."""
     try:
         with (
             socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver,

@@ -2,9 +2,10 @@
 through other headers.
 
 A build that unites sources does not notice a missing header, because another source of the same
-unit includes it; `make release` unites none, and fails. This check reads texts: it takes seconds,
-where a compiler takes minutes. It knows the free functions that one header alone declares, and
-passes over a call whose name the file or its headers declare otherwise, for example as a member.
+unit includes it. `make release` unites no sources, and fails. This check reads only the text: it
+takes seconds, where a compiler takes minutes. It looks at the free functions that exactly one
+header declares. It ignores a call if the file or its headers also declare something else with this
+name, for example a member.
 """
 
 import re
@@ -40,13 +41,13 @@ def free_functions(file: Path) -> set[str]:
 
 @cache
 def nested_names(file: Path) -> set[str]:
-    """Members and local variables, which may be called like a free function."""
+    """Returns the members and local variables, which may have the name of a free function."""
     return set(NESTED.findall(code(file)))
 
 
 @cache
 def included(file: Path, tree: Path) -> frozenset[Path]:
-    """The headers of ours that `file` includes, directly or through others."""
+    """Returns the headers of the tree that `file` includes, directly or through others."""
     found: set[Path] = set()
     waiting = [file]
     while waiting:

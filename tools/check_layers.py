@@ -15,7 +15,7 @@ TREE = Path(__file__).resolve().parent.parent
 
 
 def check(tree: Path) -> tuple[int, list[Violation]]:
-    """How many files were looked at below `tree`, and what is wrong in them."""
+    """Returns the number of files that were checked below `tree`, and their violations."""
     files = 0
     violations: list[Violation] = []
     for language in (layers_cpp, layers_python):

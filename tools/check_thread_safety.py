@@ -1,12 +1,15 @@
-"""Compiles our C++ that uses mutexes with clang's thread-safety analysis: a member that is touched
-without the mutex that guards it, or a function called without one that it needs, is an error.
+"""Compiles the C++ that uses mutexes with clang's thread-safety analysis.
 
-The analysis does not follow calls, so it looks at the sources that see the members: those that
-include gecos/base/mutex.hpp, or a header that does. The build's compile_commands.json says how they
-are compiled. Headers are most of the work, so what the sources of one library include is
-precompiled, and several sources are compiled together.
+It is an error to use a member without the mutex that guards it, or to call a function without a
+mutex that it requires.
 
-The analysis sees only our mutexes. So a mutex of the standard library is an error, too.
+The analysis does not follow calls. Therefore only the sources that see the members are compiled:
+those that include gecos/base/mutex.hpp, or a header that includes it. The build's
+compile_commands.json says how they are compiled. Headers take most of the time. Therefore the
+headers that the sources of one library include are precompiled, and several sources are compiled
+together.
+
+The analysis does not know the mutexes of the standard library, so their use is an error, too.
 """
 
 import argparse
@@ -36,7 +39,7 @@ def includes(file: Path) -> set[str]:
 
 
 def plain_mutexes(tree: Path) -> list[str]:
-    """An error for each line of our C++ that has a mutex which the analysis does not see."""
+    """Returns an error for each line of C++ with a mutex that the analysis does not know."""
     return [
         f"{path}:{number}: error: {found[0]}: the thread-safety analysis does not see it\n"
         f"    = help: use gecos::Mutex of {MUTEX}, with GECOS_GUARDED_BY on each member that it "
@@ -50,7 +53,7 @@ def plain_mutexes(tree: Path) -> list[str]:
 
 
 def headers_with_mutexes() -> set[str]:
-    """Headers as other files include them: by their path from runtime/cpp, or from the tree."""
+    """Returns the headers with mutexes, by the paths by which other files may include them."""
     found = {MUTEX}
     for root in ROOTS:
         for header in (TREE / root).rglob("*.hpp"):
@@ -61,7 +64,7 @@ def headers_with_mutexes() -> set[str]:
 
 
 def kept(arguments: list[str]) -> tuple[str, ...]:
-    """The arguments that every compiler accepts."""
+    """Returns those of the arguments that every compiler accepts."""
     flags: list[str] = []
     for at, argument in enumerate(arguments):
         if argument.startswith(("-I", "-D", "-std=")):
@@ -116,7 +119,7 @@ def check_alike(flags: tuple[str, ...], groups: list[list[Path]], folder: Path) 
     every = folder / "every.hpp"
     files = [file for group in groups for file in group]
     lines = [line for file in files for line in file.read_text(encoding="utf-8").splitlines()]
-    # A header beside its source is found from there alone.
+    # A header that is included without a folder is found only from its source, so it is left out.
     wanted = sorted({line for line in lines if re.match(r'#include (<|"[^"]*/)', line)})
     every.write_text("#pragma once\n" + "\n".join(wanted) + "\n", encoding="utf-8")
     compiled = f"{every}.pch"
@@ -130,8 +133,8 @@ def check_alike(flags: tuple[str, ...], groups: list[list[Path]], folder: Path) 
         return clang(*flags, "-fsyntax-only", "-include-pch", compiled, str(source))
 
     def check_group(at: int) -> list[str]:
-        """If the group fails, its files are checked one by one: the build may not compile them
-        together, and two of them may have local names in common."""
+        """Checks a group of files at once and, if that fails, one file after the other: the build
+        may not compile these files together, and two of them may define the same local name."""
         if not check(groups[at], f"group{at}"):
             return []
         return [check([file], f"group{at}-{nth}") for nth, file in enumerate(groups[at])]

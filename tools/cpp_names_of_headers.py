@@ -1,10 +1,12 @@
-"""Writes the names that system headers define outside of all namespaces: generated C++ calls
-nothing as a macro, and nothing at the top as a function, type or constant of the C library.
+"""Prints the names that system headers define outside of all namespaces. Generated C++ gives the
+name of a macro to nothing, and gives the name of a function, type or constant of the C library to
+nothing at global scope.
 
     tools/cpp_names_of_headers.py > codegen/gidl/names/cpp_names_of_headers.txt
 
 The headers are those of C++20, and of POSIX those that programs beside a robot are likely to
-include before generated code. Compilers and systems differ: names only ever come to the file.
+include before generated code. Compilers and systems differ. Therefore names are only added to the
+file, and never removed.
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ HEADERS = """
     sys/utsname.h sys/wait.h syslog.h termios.h time.h unistd.h wchar.h wctype.h
 """
 
-# A declaration at the top, or in an extern "C" there, as clang prints its tree.
+# A declaration at global scope, or in an extern "C" there, as clang prints it in a syntax tree.
 _DECLARATION = re.compile(
     r"^(?:[|`]-|[| ] [|`]-)(?:Function|Var|Typedef|Enum|CXXRecord|Using|TypeAlias|FunctionTemplate"
     r"|ClassTemplate|Namespace)Decl 0x\w+ (.*)"
@@ -50,7 +52,7 @@ def source() -> str:
 
 
 def macros(compiler: str) -> set[str]:
-    """Also those that the compiler brings itself, with the extensions of GNU."""
+    """Returns the names of all macros, also of those that the compiler defines by itself."""
     command = [compiler, "-std=gnu++20", "-dM", "-E", "-w", "-x", "c++", "-"]
     text = subprocess.run(command, input=source(), capture_output=True, text=True, check=True)
     return {m[1] for m in re.finditer(r"#define (\w+)", text.stdout)}
@@ -85,7 +87,7 @@ def names_at_the_top(clang: str) -> set[str]:
 
 
 def printed(names: set[str]) -> list[str]:
-    """In lines; what begins with an underscore is no name of an interface."""
+    """Returns lines with the names. No interface has a name that begins with an underscore."""
     lines = [""]
     for name in sorted(n for n in names if not n.startswith("_")):
         if len(lines[-1]) + len(name) > 98:

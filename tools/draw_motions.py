@@ -1,7 +1,7 @@
 """Draws the pictures of docs/motion.md: runs the simulated RX90, moves it, and has `gecos plot`
 draw each motion.
 
-A picture is not the same to the byte as one of another run: the measured values have noise.
+Two runs do not draw exactly the same picture, because the measured values have noise.
 """
 
 import argparse
@@ -59,7 +59,7 @@ def draw(name: str, move: Callable[[], None]) -> None:
 
 @contextmanager
 def started(ready: str, *command: str | Path) -> Iterator[subprocess.Popen[str]]:
-    """Starts a program, and waits until it prints a line with `ready`. Ends it at the end."""
+    """Starts a program, waits for a line with `ready`, and ends the program after the block."""
     program = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert program.stdout is not None
     try:
@@ -80,13 +80,13 @@ def stand_left(robot: Manipulator, start: Frame) -> None:
 
 
 def turned(start: Frame) -> Frame:
-    """Returns the orientation of the tool, with its origin in that of the world."""
+    """Returns the frame `start`, moved to the origin of the world with the same orientation."""
     x, y, z = start.position
     return translate(-x, -y, -z) * start
 
 
 def joints_then_straight(robot: Manipulator, start: Frame) -> None:
-    """There with a joint move, and back on a straight line."""
+    """Moves the tool to the right by a joint move, and back to the left on a straight line."""
     robot.move(RIGHT * turned(start)).result()
     robot.move(LEFT * turned(start), Trajectory(path=PathType.STRAIGHT)).result()
 
@@ -96,7 +96,7 @@ def stand_at_start(robot: Manipulator, start: Frame) -> None:
 
 
 def square(at_corners: Blend) -> Callable[[Manipulator, Frame], None]:
-    """A square of 200 mm, with all moves asked for at once."""
+    """Returns a motion along a square of 200 mm, whose four moves are requested at once."""
 
     def move(robot: Manipulator, start: Frame) -> None:
         corners = [(200, 0), (200, -200), (0, -200), (0, 0)]
@@ -112,7 +112,7 @@ def square(at_corners: Blend) -> Callable[[Manipulator, Frame], None]:
 
 
 def slowed_and_paused(robot: Manipulator, start: Frame) -> None:
-    """A straight line, on which the speed is scaled: to 40 %, to 0, and to 100 %."""
+    """Moves along a straight line while the speed is scaled to 40 %, then to 0, then to 100 %."""
     how = Trajectory(path=PathType.STRAIGHT, tool_speed=0.4)
     moving = robot.move(RIGHT * turned(start), how)
     for factor, until in ((0.4, 0.6), (0.0, 0.6), (1.0, 0.5)):
@@ -128,7 +128,7 @@ MOTIONS: dict[str, tuple[Move, Move]] = {
     "square-nobreak": (stand_at_start, square(Blend.NOBREAK)),
     "override": (stand_left, slowed_and_paused),
 }
-"""For each picture, the motion before it, and the motion that it shows."""
+"""For each picture, the motion that is made before it, and the motion that it shows."""
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from layers_rule import Violation
 
-# These may include everything except the inner modules of the session.
+# Programs may include everything except the inner modules of the session.
 PROGRAM = "a program"
 PROGRAMS = ("benchmarks", "examples", "tests")
 ROOTS = ("runtime/cpp", "runtime/python/extensions", "devices", "generated/cpp", *PROGRAMS)
@@ -16,7 +16,7 @@ SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 # The headers for users of media: the contract, how to wait, and the header that opens a medium.
 CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|waiting)\.[hc]pp|kinds\.hpp)$")
-# What an interface is in the words of the session; it stands below all of its modules.
+# The description of an interface for the session. Each module of the session may include it.
 DESCRIPTION = re.compile(r"^gecos/description\.[hc]pp$")
 # The headers that users and generated code include, and their sources.
 PUBLIC = re.compile(
@@ -45,7 +45,7 @@ GENERATED_MODULES = {
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """`knows`: the modules whose headers it may include. `why`: the rule, for people."""
+    """`knows` are the modules whose headers this module may include. `why` is the rule in words."""
 
     knows: frozenset[str]
     why: str
@@ -223,7 +223,7 @@ GUESTS = (
 )
 
 PURE_MODULES = ("wire", "qos", "access", "crypto")
-# A user's keys are files, and the one file that looks after them may do I/O.
+# The keys of a user are files. Only the source that reads and writes these files may do I/O.
 KEY_KEEPER = "runtime/cpp/gecos/crypto/key_directory.cpp"
 IMPURE_HEADER = re.compile(
     r"^(thread|mutex|shared_mutex|condition_variable|future|fstream|iostream|filesystem|"
@@ -233,7 +233,7 @@ IMPURE_CALL = re.compile(r"\b(?:\w*[cC]lock::now|clock_gettime|gettimeofday)\s*\
 PURE_RULE = "wire, qos, access and crypto do no I/O, own no thread and read no clock"
 
 
-# What travels in calls is stated in .gidl, and its codec and description are generated.
+# The contents of calls are declared in .gidl files. Their codecs and descriptions are generated.
 CALLING_MODULES = ("session/process", "session/client", "session/server", "broker")
 CODED = re.compile(
     r"\.(?:put|put_string|put_count|get_string|get_count)\(|\.get\([^)]|"
@@ -247,7 +247,7 @@ BY_HAND_RULE = (
 
 
 def module_of_file(path: str) -> str | None:
-    """Module of a file of the tree."""
+    """Returns the module of a file of the tree; None if the file has no module."""
     if path.startswith(tuple(root + "/" for root in PROGRAMS)):
         return PROGRAM
     if path.startswith("runtime/python/extensions/"):
@@ -261,7 +261,7 @@ def module_of_file(path: str) -> str | None:
 
 
 def module_of_header(header: str) -> str | None:
-    """Module of a header as it is written in an include; None when it is not one of ours."""
+    """Returns the module of a header, given as in an #include; None for a foreign header."""
     if header.startswith("devices/"):
         folder = header.split("/")[1]
         return f"devices/{folder}" if folder in SHARED_BY_DEVICES else "devices"
@@ -330,7 +330,7 @@ def violations(path: str, text: str) -> list[Violation]:
 
 
 def _by_hand(module: str, code: str) -> bool:
-    """Whether a line codes what travels in a call, or describes an operation."""
+    """Returns whether a line codes the contents of a call, or describes an operation."""
     if module in CALLING_MODULES and CODED.search(code):
         return True
     return module in (*CALLING_MODULES, "session/protocol") and bool(DESCRIBED.search(code))

@@ -14,7 +14,8 @@ ROOTS = ("codegen", "runtime/python", "generated/python")
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """`imports`: what a module may import beside the standard library, by whole dotted name."""
+    """`imports` matches the full dotted names that a module may import, beside the standard
+    library."""
 
     module: re.Pattern[str]
     imports: re.Pattern[str]
@@ -122,7 +123,7 @@ ROWS = (
     ),
     _row(
         r"gecos(\..*)?",
-        # typing_extensions is read by type checkers alone, which bring it.
+        # Only type checkers read typing_extensions, and they install it.
         r"numpy(\..*)?|typing_extensions|gecos(\..*)?|gecos_idl\.\w+_types",
         "gecos knows _core and generated types, no robcl, no generated client",
     ),
@@ -149,7 +150,7 @@ def files(tree: Path) -> Iterator[Path]:
 
 
 def imported(path: str, text: str) -> Iterator[tuple[int, str]]:
-    """Line and dotted name of everything that is imported, wherever in the file it stands."""
+    """Yields the line and the dotted name of each import, anywhere in the file."""
     package = module_of(path)
     if not path.endswith("/__init__.py"):
         package = package.rpartition(".")[0]
@@ -205,12 +206,12 @@ def violations(path: str, text: str) -> list[Violation]:
     return list(found.values())
 
 
-# The tables themselves, and the package that makes them from a served model.
+# The module with the tables of operations, and the package that makes them from a served model.
 _DESCRIBING = ("gecos.interface", "gecos.dynamic_client")
 
 
 def _described(path: str, text: str) -> Iterator[int]:
-    """Lines that make an Operation of gecos.interface."""
+    """Yields the lines that make an Operation of gecos.interface."""
     for node in ast.walk(ast.parse(text, filename=path)):
         if isinstance(node, ast.Call):
             called = node.func.attr if isinstance(node.func, ast.Attribute) else node.func
@@ -220,5 +221,6 @@ def _described(path: str, text: str) -> Iterator[int]:
 
 
 def _allowed(row: Row, name: str) -> bool:
-    # `from gecos.wire import Decoder` reads as gecos.wire.Decoder: the module or what is in it.
+    # `from gecos.wire import Decoder` gives the name gecos.wire.Decoder. The row may allow this
+    # name or the module gecos.wire.
     return bool(row.imports.fullmatch(name) or row.imports.fullmatch(name.rpartition(".")[0]))

@@ -1,7 +1,7 @@
-"""Makes the virtual environment that runs this see the tree: its packages and their commands.
+"""Makes the packages and commands of the tree known to the virtual environment that runs this.
 
-An editable install would do the same for each package and build the C++ once more; this takes no
-time, and the extension module is where CMake puts it anyway.
+An editable install of each package would do the same, but would compile the C++ once more. This
+script compiles nothing, because CMake puts the extension module into the tree.
 """
 
 import stat

@@ -1,8 +1,8 @@
 """Runs every lane of `make test`, and prints a summary line of each lane at the end.
 
 A lane is one runner (ctest, pytest, mypy, …). Lanes that use the network wait most of the time: if
-each can have a network of its own, they run beside each other, and the lane `compiler` takes the
-time of the cores that they leave. All other lanes run in turn. All lanes run even when one fails;
+each can have a network of its own, they run beside each other, and the lane `compiler` uses the
+processor time that they leave. All other lanes run in turn. All lanes run even when one fails;
 the exit status is 0 exactly when all of them passed. A lane that cannot run on this machine fails:
 nothing is skipped.
 """
@@ -35,7 +35,7 @@ OWN_NETWORK = (
 
 @dataclass(frozen=True, slots=True)
 class Lane:
-    """One runner; `closing` finds the line in its output that sums it up."""
+    """One runner. `closing` is a pattern for the line of its output that sums up the run."""
 
     name: str
     command: tuple[str, ...]
@@ -90,7 +90,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             ),
             r"^\d+% tests passed",
         ),
-        # Nothing in it is timed, so it takes only the time of the cores that other lanes leave.
+        # No test in this lane measures time, so it uses only the time that other lanes leave.
         Lane(
             "compiler",
             (
@@ -100,9 +100,9 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             pytest_sum,
             beside=True,
         ),
-        # It compiles, too, but at low priority it would keep its place among the lanes for long.
+        # This lane compiles, too. At low priority it would run for long beside the other lanes.
         Lane("docs", (python, "-m", "pytest", *documented), pytest_sum, beside=True),
-        # Its busy loops on every core would keep the programs of other lanes from running.
+        # Busy loops on every core would keep the programs of other lanes from running.
         Lane(
             "bench-peers",
             (python, "-m", "pytest", peers),
@@ -135,8 +135,8 @@ def shown(text: str) -> None:
 
 
 def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] = shown) -> Verdict:
-    """Runs `lane` and passes its output to `show` as it comes. After `limit` seconds kills it with
-    all its processes."""
+    """Runs `lane` and passes its output to `show` as it comes. After `limit` seconds, kills the
+    lane with all its processes."""
     show(f"\n──── {lane.name}: {' '.join(lane.command)}\n")
     started = time.monotonic()
     try:

@@ -1,6 +1,7 @@
 """Tests the wheels gidl and robcl without the rest of the tree, from a .gidl file to a call.
 
-Run by tools/wheels.sh with the interpreter of an environment that holds them, in an empty folder.
+tools/wheels.sh runs this script in an empty folder, with the interpreter of an environment in which
+the two wheels are installed.
 """
 
 import importlib
@@ -38,7 +39,7 @@ def import_everything() -> None:
 
 
 def build_on_an_interface_of_robcl() -> None:
-    """`gidl` finds robcl/device.gidl in the wheel robcl, without any -I for it."""
+    """Checks that `gidl` finds robcl/device.gidl in the wheel robcl, without an option -I."""
     Path("kitchen").mkdir()
     Path("kitchen/oven.gidl").write_text(OVEN)
     run("gidl", "gen", "-I", ".", "--lang", "python", "--out", "kitchen-out", "kitchen/oven.gidl")
@@ -50,7 +51,7 @@ def build_on_an_interface_of_robcl() -> None:
 
 
 def serve_and_call() -> None:
-    """The device that `gidl new` writes is served by a process and called from this one."""
+    """Serves the device that `gidl new` writes in another process, and calls it from this one."""
     os.environ["GECOS_RUNTIME_DIR"] = os.environ["GECOS_KEY_DIR"] = str(Path.cwd())
     os.environ["GECOS_AUDIT_DIR"] = str(Path.cwd() / "audit")
     run("gidl", "new", "thermometer")

@@ -14,8 +14,8 @@ namespace {
 constexpr int cycles_at_goal = 3;
 constexpr double longest_period = 0.1;  // s
 // A motion fails if the set point of a joint changed by more than this angle, in rad, between
-// planning and start; for example because a brake slipped and the drives had a fault. The arm would
-// jump by this angle in the first cycle.
+// planning and start; for example because a brake slipped and the drives had a fault. If the motion
+// started, the joint would jump by this change in the first cycle.
 constexpr double moved_away = 1e-6;
 // A drive follows its set points with a delay. After missed cycles, a joint may be as far from the
 // last set point as it moves in this time, in s, at full speed.
@@ -39,8 +39,8 @@ JointState first_state(SupervisedDriver& driver) {
 }
 
 // In velocity mode, the greatest acceleration of a commanded velocity, as a multiple of the joint's
-// acceleration limit. The motion alone may need the acceleration limit once; the position control
-// needs the remainder.
+// acceleration limit. A motion alone may need the whole acceleration limit; the rest is for the
+// control of the joint positions.
 constexpr double most_change = 2;
 
 JointValues speeds_of(const robcl::arm::ArmModel& model) {
@@ -207,7 +207,7 @@ void ArmController::begin_reset() {
   loop_.settling = 0;
 }
 
-/// Returns the outcome of a reset; nullopt while the drives may still turn on.
+/// Returns the outcome of a reset of the drives; nullopt while the drives may still turn on.
 std::optional<ArmController::Outcome> ArmController::turn_on(
     const tl::expected<JointState, DriverFault>& answer, double seconds) {
   if (stop_.load()) return Outcome{End::Stopped, 0, 0, {}};

@@ -71,13 +71,14 @@ class ArmController {
   ArmController& operator=(const ArmController&) = delete;
 
   /// Runs one control cycle. `seconds` is the time since the previous cycle: `cycle()`, or a
-  /// multiple of it after missed cycles.
+  /// multiple of `cycle()` after missed cycles.
   ///
-  /// A missed cycle delays the motion by one cycle. The motion does not catch up, because two set
-  /// points may differ only by the distance that a joint may move in one cycle. After more than
-  /// `most_delayed` missed cycles in a row, the joints have stopped at the last set point, and the
-  /// motion starts again from rest on its path. If a joint is then further from the last set point
-  /// than it moves in 20 ms at full speed, the drives did not hold it: the motion ends as a Fault.
+  /// A missed cycle delays the motion by one cycle. The motion does not catch up, because two
+  /// successive set points may differ only by the distance that a joint may move in one cycle.
+  /// After more than `most_delayed` missed cycles in a row, the joints have stopped at the last set
+  /// point, and the motion starts again from rest on its path. If a joint is then further from the
+  /// last set point than it moves in 20 ms at full speed, the drives did not hold it: the motion
+  /// ends as a Fault.
   void step(double seconds);
   static constexpr std::uint64_t most_delayed = 5;
 
@@ -90,15 +91,16 @@ class ArmController {
   /// this motion, other threads may call only those functions of `generator` whose comments say
   /// that any thread may call them. Returns the number of the motion.
   std::uint64_t start(std::shared_ptr<robcl::motion::TrajectoryGenerator> generator);
-  /// Makes the control loop clear a fault of the drives, enable them, and wait until they are on
-  /// and their brakes are released. `wait` returns the outcome: Arrived, or a Fault if the drives
-  /// have a fault or are not on in time. @pre `wait` returned the outcome of the last motion.
+  /// Makes the control loop clear a fault of the drives, enable the drives, and wait until the
+  /// drives are on and the brakes are released. `wait` returns the outcome: Arrived, or a Fault if
+  /// the drives have a fault or are not on in time. @pre `wait` returned the outcome of the last
+  /// motion.
   void reset_drives();
   /// Decelerates the running motion until the arm stands, or ends a running reset of the drives.
   /// May be called at any time, even when no motion runs.
   void stop() { stop_.store(true); }
-  /// Scales the speed of this and all later motions from the next cycle on. `factor`: 0, which
-  /// pauses a motion on its path, to 1. May be called at any time.
+  /// Scales the speed of this and all later motions from the next cycle on. `factor` is from 0 to
+  /// 1; 0 pauses a motion on its path. May be called at any time.
   void set_override(double factor) { override_.store(factor); }
   double speed_override() const { return override_.load(); }
   /// Waits at most `patience` for the end of the motion, and returns its outcome; nullopt if the

@@ -20,8 +20,8 @@ robcl::motion::ToolLimits lower_of(const robcl::motion::ToolLimits& one,
           .turn_acceleration = std::min(one.turn_acceleration, other.turn_acceleration)};
 }
 
-// At a greater distance, rounding errors of a frame's coordinates are too large for the motions of
-// an arm.
+// The greatest distances of the base from the origin of the world, and of the tool from the flange.
+// At greater distances, rounding errors of the coordinates are too large for the motions of an arm.
 constexpr double furthest_base = 1e7, furthest_tool = 1000;  // m
 
 /// Returns why `frame` is refused, if its origin is further than `furthest` metres from the origin

@@ -34,7 +34,7 @@ class ArmDevice {
   /// The clock of simulated time. All times and limits of a motion are measured by this clock, and
   /// the caller of `step` must use this clock.
   LabClock& clock() { return clock_; }
-  /// Runs one cycle of the control loop, which lasts `seconds`.
+  /// Runs one cycle of the control loop. `seconds` is the time since the previous cycle.
   void step(double seconds) { controller_.step(seconds); }
 
   /// The measurements of one cycle of the control loop.
@@ -72,10 +72,10 @@ class ArmDevice {
   bool has_configurations() const { return has_configurations_; }
   const robcl::arm::ArmModel& model() const { return model_; }
 
-  /// Clears a fault of the drives and turns them on again. Returns when they are on and their
-  /// brakes are released. Fails with the text of the driver if they have a fault, or if they are
-  /// not on within `ArmController::Settings::turn_on_time`. Refused while the arm moves. When
-  /// `watcher` interrupts the wait, the drives may still turn on.
+  /// Clears a fault of the drives and turns the drives on again. Returns when the drives are on and
+  /// the brakes are released. Fails with the text of the driver if the drives have a fault, or if
+  /// they are not on within `ArmController::Settings::turn_on_time`. Refused while the arm moves.
+  /// When `watcher` interrupts the wait, the drives may still turn on.
   tl::expected<void, MoveFailure> reset_drives(MotionWatcher& watcher) {
     return motion_.reset_drives(watcher);
   }
@@ -88,7 +88,8 @@ class ArmDevice {
   /// Moves the tool to the frame `world_from_goal`. Returns when the measured joint positions show
   /// that the arm has arrived there. A joint move ends in a configuration that `wanted` admits.
   /// Without `wanted`, and on a straight line, the arm keeps its configuration; a straight move to
-  /// another configuration is Refused. `goes_over`: see ArmMotion::Request.
+  /// another configuration is Refused. If `goes_over` is true, the arm need not stop at the goal
+  /// when the next move is requested in time.
   tl::expected<void, MoveFailure> move(
       const Frame& world_from_goal, PathKind path, const robcl::motion::Pace& pace,
       MotionWatcher& watcher, const std::optional<robcl::arm::Configuration>& wanted = std::nullopt,

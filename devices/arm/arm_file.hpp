@@ -1,5 +1,5 @@
-// The TOML file that describes an arm, and the URDF file of its joints that the TOML file names.
-// docs/adding-an-arm.md lists the keys of the TOML file.
+// Reads the description of an arm from a TOML file, and from a URDF file whose path is in the TOML
+// file. docs/adding-an-arm.md lists the keys of the TOML file.
 #pragma once
 
 #include <cstddef>
@@ -24,16 +24,16 @@ struct ArmDescription {
   robcl::motion::ToolLimits tool_limits;
   double seconds_to_full_acceleration = 0;  ///< limit of jerk (robcl::motion::Smoothing); 0: none
   robcl::Frame tool_offset;                 ///< tool frame seen from the flange
-  /// A sentence that says where the arm stands. Errors of `mount` begin with it; see
-  /// ManipulatorServant.
+  /// A sentence that says where the arm stands. Error texts of `mount` begin with this sentence;
+  /// see ManipulatorServant.
   std::string place;
 };
 
 /// A mistake in the files of an arm.
 struct ArmFileError {
   std::string file;  ///< the TOML file
-  /// The number of the line with the mistake, from 1. For a missing key, the line on which its
-  /// table begins; 0 if the file cannot be read.
+  /// The number of the line with the mistake, from 1. For a missing key, the line on which the
+  /// table of the key begins; 0 if the file cannot be read.
   std::size_t line = 0;
   std::string key;   ///< for example "tool.offset_mm"; empty if the file is not TOML
   std::string text;  ///< the mistake, and how to mend it

@@ -19,7 +19,8 @@ constexpr auto beat = 5ms;  // period at which the outcome of a running motion i
 // s that planning takes. Planning takes `time_to_plan`, and `time_to_plan_each` more for each move
 // that has not ended.
 constexpr double cycles_ahead = 2, time_to_plan = 0.008, time_to_plan_each = 0.0001;
-// The greatest number of moves that run or wait. Each of them keeps a thread of the server.
+// The greatest number of moves that run or wait. Each of these moves occupies one thread of the
+// server.
 constexpr std::size_t most_links = 64;
 
 DriverFault stalled_loop() {
@@ -105,8 +106,8 @@ ArmMotion::Result ArmMotion::reset_drives(MotionWatcher& watcher) {
   return while_claimed([this] { controller_.reset_drives(); }, watcher);
 }
 
-/// Reserves the arm, calls `start`, which hands a motion or a reset to the control loop, and waits
-/// for the outcome.
+/// Reserves the arm, calls `start`, and waits for the outcome. `start` must hand a motion or a
+/// reset of the drives to the control loop.
 ArmMotion::Result ArmMotion::while_claimed(const std::function<void()>& start,
                                            MotionWatcher& watcher) {
   {
@@ -211,8 +212,9 @@ void ArmMotion::watch(Lock&) {
   }
 }
 
-/// Like begin_or_follow, but returns a refusal instead of throwing an exception. An exception must
-/// not leave `move`: it would destroy `link`, whose address other threads keep.
+/// Calls begin_or_follow, and returns a refusal if that function throws an exception. An exception
+/// must not leave `move`, because it would destroy the local object `link`, whose address other
+/// threads keep.
 std::optional<MoveFailure> ArmMotion::plan(Link& link) {
   try {
     return begin_or_follow(link);
@@ -247,9 +249,10 @@ std::optional<MoveFailure> ArmMotion::begin(Link& link) {
   return std::nullopt;
 }
 
-/// Lets the motion go over into as many of the waiting moves as possible. One plan for all of them
-/// takes about as long as a plan for one of them, and may take longer than a short move lasts.
-/// Therefore at most one plan is made between two calls of `watch`.
+/// Lets the motion go over into as many of the waiting moves as possible. Making a plan may take
+/// longer than a short move lasts, but one plan for all waiting moves takes about as long as a plan
+/// for one of them. Therefore waiting moves are collected: at most one plan is made between two
+/// calls of `watch`.
 void ArmMotion::join_waiting() {
   plan_made_ = true;
   try {

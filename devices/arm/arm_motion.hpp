@@ -39,7 +39,8 @@ class OutcomeWatch {
 
 /// Runs the motions of an arm, one at a time. A motion is one move, or several moves that go over
 /// into each other. In the second case, several threads wait in `move`, each until its own move has
-/// ended. The thread whose move ends first watches the motion. Thread-safe.
+/// ended. The thread of the first move that has not ended watches the motion for all of them.
+/// Thread-safe.
 class ArmMotion {
  public:
   using Result = tl::expected<void, MoveFailure>;
@@ -47,7 +48,8 @@ class ArmMotion {
 
   /// A move that a caller wants.
   struct Request {
-    /// Makes the move from the joint positions `from`.
+    /// A function that returns the move from the joint positions `from` to the goal, or the reason
+    /// why this move is impossible.
     std::function<tl::expected<robcl::motion::Move, MoveFailure>(robcl::motion::Planner& planner,
                                                                  const JointValues& from)>
         make;
@@ -71,9 +73,9 @@ class ArmMotion {
   Result alone(const std::function<Generator(const JointValues& from)>& make,
                MotionWatcher& watcher);
 
-  /// Clears a fault of the drives and turns them on again, while the arm stands. Returns when they
-  /// are on; fails with the text of their fault, or if they are not on in time. When `watcher`
-  /// interrupts the wait, the drives may still turn on.
+  /// Clears a fault of the drives and turns the drives on again, while the arm stands. Returns when
+  /// the drives are on. Fails with the text of the fault if the drives have one, or if they are not
+  /// on in time. When `watcher` interrupts the wait, the drives may still turn on.
   Result reset_drives(MotionWatcher& watcher);
 
   /// Calls `change` if the arm makes no motion, and lets no motion begin before `change` returns.
@@ -118,8 +120,8 @@ class ArmMotion {
   Result await(Lock& lock, Link& link) GECOS_REQUIRES(mutex_);
   void watch(Lock& lock) GECOS_REQUIRES(mutex_);
   bool is_to_plan(const Link& link) const GECOS_REQUIRES(mutex_);
-  /// Begins the motion of `link`, or lets `link` wait for the next plan. Returns the reason if the
-  /// move is impossible. Does nothing if the arm must stop before this move.
+  /// Begins a motion with the move `link`, or lets this move wait for the next plan. Returns the
+  /// reason if the move is impossible. Does nothing if the arm must stop before this move.
   std::optional<MoveFailure> plan(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin_or_follow(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin(Link& link) GECOS_REQUIRES(mutex_);

@@ -54,8 +54,8 @@ CommandLine read_line(const ArmProgram& program, const ArmDescription& arm, int 
           program.files ? "" : operand};
 }
 
-/// Prints the help or an error if the command line does not begin with a TOML file. Returns the
-/// exit status.
+/// Handles a command line that does not begin with a TOML file: prints the help or an error, and
+/// returns the exit status.
 int ask_for_file(const ArmProgram& program, int count, char** words) {
   const std::string of_file = std::string("that of ") + operand;
   const std::string joints =

@@ -33,8 +33,8 @@ using MakeServant =
 /// Serves the arm until the program gets SIGINT or SIGTERM. Returns the program's exit status.
 int serve_arm(const ArmProgram& program, const MakeServant& make_servant, int count, char** words);
 
-/// Serves an arm without an interface of its own: as SixAxis if it has six joints, otherwise as
-/// ArticulatedArm.
+/// Serves an arm that has no interface of its own. The object has the interface SixAxis if the arm
+/// has six joints, otherwise the interface ArticulatedArm.
 int serve_arm(const ArmProgram& program, int count, char** words);
 
 /// Serves an arm with an interface of its own, which `Servant` implements.

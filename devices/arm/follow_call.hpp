@@ -46,7 +46,7 @@ class FollowCall final : public MotionWatcher {
   std::shared_ptr<StreamCorrections> corrections() const { return corrections_; }
   bool interrupted() override;
   void progress(double fraction, double remaining) override;
-  /// Returns the reply to the call, whose motion ended with `ended`.
+  /// Returns the reply to the call of `follow`. `ended` is the outcome of the motion.
   gecos::Result<void> answer(const tl::expected<void, MoveFailure>& ended) const;
 
  private:

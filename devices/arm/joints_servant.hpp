@@ -10,8 +10,8 @@
 namespace devices {
 
 /// Implements an interface that adds operations for the joints to `robcl::Manipulator`. Uses an
-/// ArmDevice. `Interface` is the generated servant class, `Joints` the type of its joint positions.
-/// Thread-safe.
+/// ArmDevice. `Interface` is the generated servant class of this interface, and `Joints` the type
+/// in which the interface has joint positions. Thread-safe.
 template <std::derived_from<robcl::ManipulatorServant> Interface, typename Joints>
 class JointsServant : public virtual Interface, public ManipulatorServant {
  public:

@@ -12,9 +12,9 @@ namespace devices {
 
 /// Implements the operations of the interface `robcl::Manipulator` with an ArmDevice. Thread-safe.
 ///
-/// The servant of an arm with an interface of its own derives from the generated servant class of
-/// that interface, and from this class, SixAxisServant or ArticulatedArmServant. The servant
-/// implements only the operations that its interface adds.
+/// The servant of an arm with an interface of its own derives from two classes: the generated
+/// servant class of that interface, and one of ManipulatorServant, SixAxisServant and
+/// ArticulatedArmServant. The servant implements only the operations that its interface adds.
 class ManipulatorServant : public virtual robcl::ManipulatorServant {
  public:
   /// `place` says where the arm stands, for example "an RX90 weighs 111 kg and stands on the
@@ -35,8 +35,9 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
 
   ArmDevice& arm() { return arm_; }
 
-  /// Clears a fault of the drives and turns them on again, for an operation that an interface adds.
-  /// Returns when they are on, when they have a fault, after 10 s, or when `run` is interrupted.
+  /// Clears a fault of the drives and turns the drives on again. A servant calls this method in an
+  /// operation that its interface adds to Manipulator. Returns when the drives are on, when they
+  /// have a fault, after 10 s, or when `run` is interrupted.
   gecos::Result<void> restart_drives(gecos::Execution<>& run);
 
   /// Sends the measurements of `sample` on the streams of the interface Manipulator. The servant of

@@ -8,7 +8,8 @@
 namespace devices {
 namespace {
 
-/// Returns the beginning of `reason` that an exception of manipulator.gidl can carry.
+/// Shortens `reason` to at most 160 bytes, the limit of the exceptions in manipulator.gidl. Cuts
+/// only between two characters.
 std::string shortened(const std::string& reason) {
   return std::string(gecos::whole_characters(reason, 160));
 }

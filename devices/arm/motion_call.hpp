@@ -31,7 +31,7 @@ class CallWatcher final : public MotionWatcher {
 
  private:
   Progress& run_;
-  std::optional<double> corner_;  // m, distance from the goal to the tool that passes it
+  std::optional<double> corner_;  // distance at which the tool passes the goal, m
   std::optional<double> factor_;  // of the speed; nullopt: 1
 };
 

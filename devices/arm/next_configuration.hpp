@@ -11,9 +11,9 @@
 
 namespace devices {
 
-/// Keeps, for each session, the configuration in which its next joint move must end. The
-/// configuration is forgotten when the object is stopped, and when the status under which the
-/// session set the configuration ends. Thread-safe.
+/// Keeps, for each session, the configuration in which the next joint move of this session must
+/// end. The configuration is forgotten when the object is stopped, and when the status under which
+/// the session set the configuration ends. Thread-safe.
 class NextConfiguration {
  public:
   /// A session, and the epoch of its status when it issued a command.
@@ -28,8 +28,9 @@ class NextConfiguration {
     if (wanted_.size() == most_sessions) wanted_.pop_front();
     wanted_.emplace_back(issuer, wanted);
   }
-  /// Sets the configuration `taken` again. Must be called when the joint move for which take() has
-  /// returned it was refused. Does nothing if the session has set another configuration since.
+  /// Sets the configuration `taken` again for the next joint move of the session. Must be called if
+  /// take() returned `taken` for a joint move and the arm refused this move. Does nothing if the
+  /// session has set another configuration since.
   void give_back(const Issuer& issuer, const robcl::arm::Configuration& taken) {
     const gecos::MutexLock lock(mutex_);
     const auto of_session = [&](const auto& known) {
@@ -39,7 +40,7 @@ class NextConfiguration {
     wanted_.emplace_back(issuer, taken);
   }
   /// Returns the configuration for the joint move that the session has just requested, and forgets
-  /// it. Returns nullopt if the session has set no configuration.
+  /// this configuration. Returns nullopt if the session has set no configuration.
   std::optional<robcl::arm::Configuration> take(const Issuer& issuer) {
     const gecos::MutexLock lock(mutex_);
     return take_held(issuer);

@@ -72,10 +72,10 @@ class JointDriver {
   /// Returns the measured state of the joints. Sends no command to the drives. Allocates memory
   /// only when it fails.
   virtual tl::expected<JointState, DriverFault> read() = 0;
-  /// Sends `command` to the drives: the joints reach its positions, and have its velocities, at the
-  /// end of the coming period. `since_last`: time in s since the previous call; one period, or a
-  /// multiple of it after missed cycles. Does nothing unless the drives are On. Allocates memory
-  /// only when it fails.
+  /// Sends `command` to the drives: the joints reach the positions of `command`, and have its
+  /// velocities, at the end of the coming period. `since_last` is the time in s since the previous
+  /// call: one period, or a multiple of it after missed cycles. Does nothing unless the drives are
+  /// On. Allocates memory only when it fails.
   virtual tl::expected<void, DriverFault> write(const JointCommand& command, double since_last) = 0;
 
   /// Turns the drives on and releases the brakes. The joints stay where they are until the first

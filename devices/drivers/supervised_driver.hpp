@@ -29,8 +29,8 @@ class SupervisedDriver {
   tl::expected<void, DriverFault> enable();
   tl::expected<void, DriverFault> disable();
   tl::expected<void, DriverFault> reset();
-  /// Writes the command for the coming period, and reads the state of the joints. `since_last`:
-  /// time in s since the previous call.
+  /// Writes the command for the coming period, and reads the state of the joints. `since_last` is
+  /// the time in s since the previous call.
   tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double since_last);
 
  private:

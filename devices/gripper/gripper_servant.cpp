@@ -13,8 +13,8 @@ using namespace std::chrono_literals;
 constexpr auto beat = 10ms;              // period at which the jaws are polled
 constexpr auto world_takes_notice = 2s;  // longest delay until the world shows a change
 
-/// Makes the exception `Exception`, robcl::WidthOutOfRange or robcl::ForceOutOfRange, from
-/// `refused`.
+/// Makes an exception of the type `Exception`, which is robcl::WidthOutOfRange or
+/// robcl::ForceOutOfRange, from `refused`.
 template <class Exception>
 gecos::Fault fault(const SimulatedGripper::OutOfRange& refused) {
   return Exception{refused.value, refused.lower, refused.upper};

@@ -41,8 +41,8 @@ class SimulatedGripper {
   State state() const;
 
   /// Releases a held body and starts to move the jaws until the distance between them is `width`.
-  /// If this closes the jaws and there is a body at `contact`, the jaws stop there and do not grip
-  /// the body.
+  /// If the jaws come closer together for this and `contact` has a body, they stop when they touch
+  /// the body, and do not grip it.
   tl::expected<void, OutOfRange> open(double width, const std::optional<Contact>& contact);
   /// Starts to close the jaws until they press the body of `contact` with `force`, in N. If there
   /// is no body, the jaws close until they touch each other, and hold nothing.

@@ -24,9 +24,9 @@ struct Option {
 class CommandLine {
  public:
   /// Reads the arguments. Prints the usage if one of them is --help. Prints an error and the usage
-  /// if an argument is bad. `operand` is the name, for the usage, of an argument that stands before
-  /// the options; it is empty if there is no such argument. The program must remove this argument
-  /// from `words` before.
+  /// if an argument is bad. If the program has an argument before the options, `operand` is the
+  /// name of this argument in the usage, and the caller must have removed the argument from
+  /// `words`. Otherwise, `operand` is empty.
   CommandLine(std::string program, std::string purpose, std::vector<Option> options, int count,
               char** words, std::string operand = "");
 

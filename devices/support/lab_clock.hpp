@@ -16,7 +16,8 @@ class LabClock {
   /// begins when the previous one ends.
   static constexpr double slowest = 0.1, fastest = 100'000;
 
-  /// `speed`: simulated seconds that are to pass in a second. @pre `slowest` to `fastest`.
+  /// `speed` is the number of simulated seconds that are to pass in a second of real time. @pre
+  /// `speed` is from `slowest` to `fastest`.
   explicit LabClock(double speed = 1) : speed_(speed), reached_(speed) {}
 
   double speed() const { return speed_; }

@@ -10,7 +10,8 @@ namespace {
 
 using std::chrono::steady_clock;
 
-/// `clock` is null in real time.
+/// Calls `work` once every `period` until `stop` is requested. `clock` is null if the cycles run in
+/// real time.
 void run(const std::stop_token& stop, LabClock* clock, gecos::Duration period,
          const std::function<void(double)>& work) {
   CycleTimer timer(period, clock == nullptr ? 1 : clock->speed(), steady_clock::now());

@@ -18,8 +18,8 @@ class Periodic {
   /// missed cycles.
   Periodic(gecos::Duration period, std::function<void(double seconds)> work);
   /// `period` and the time that `work` receives are simulated time, as `clock` counts it. This
-  /// object tells `clock` which speed the cycles have reached. `begin` is called once on the
-  /// thread, before the first cycle.
+  /// object tells `clock` which speed the cycles have reached. Calls `begin` once on the same
+  /// thread as `work`, before the first cycle.
   Periodic(
       LabClock& clock, gecos::Duration period, std::function<void(double seconds)> work,
       std::function<void()> begin = [] {});

@@ -18,8 +18,8 @@ class GripperWatch {
   /// Connects to the streams if needed, reads the state of the jaws and moves the held body. Only
   /// one thread may call this method. May block for up to 0.5 s while an object is not online.
   void tick();
-  /// Moves the held body to where the flange is now. Any thread may call this method, which does
-  /// not wait.
+  /// Moves the held body to where the flange is now. Does not wait. Any thread may call this
+  /// method.
   void carry();
 
  private:

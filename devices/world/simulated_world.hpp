@@ -66,9 +66,9 @@ class SimulatedWorld {
 
   /// Reports that `gripper` holds the body `body`, or no body if `body` is empty, and that the
   /// frame of the gripper's carrier is `carrier` now. If the gripper did not hold the body before,
-  /// attaches the body to it, even if other grippers hold the body. If the gripper carries the
-  /// body, moves it with the carrier. Releases any other body of this gripper. Does not attach a
-  /// fixed body.
+  /// attaches the body to the gripper's carrier, even if other grippers hold the body. If the
+  /// gripper carries the body, moves it with the carrier. Releases any other body of this gripper.
+  /// Does not attach a fixed body.
   void track(const std::string& gripper, const std::string& body, const Frame& carrier);
 
  private:

@@ -12,7 +12,7 @@ namespace devices {
 class WorldServant final : public robcl::WorldServant {
  public:
   /// `catch_up` must move the held bodies to their present positions. Every handler that reads or
-  /// moves bodies calls it first. `clock_speed`: see LabClock.
+  /// moves bodies calls `catch_up` first. `clock_speed` is the speed of the LabClock.
   WorldServant(SimulatedWorld& world, std::function<void()> catch_up, double clock_speed = 1);
 
  private:

@@ -21,9 +21,9 @@ std::string new_code() {
   return code;
 }
 
-/// Returns the number after which the zone numbers its times of presence (see access::Zone). The
-/// number is the Unix time in ns. So it rises from one start of this program to the next, and no
-/// number occurs twice.
+/// Returns a number for the constructor of access::Zone: the first time of presence gets the next
+/// number. The returned number is the Unix time in ns. Therefore it is larger at each start of this
+/// program, and no time of presence has the number of an earlier one.
 std::uint64_t spells_before() { return static_cast<std::uint64_t>(gecos::unix_now_ns()); }
 
 }  // namespace

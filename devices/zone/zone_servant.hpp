@@ -15,7 +15,8 @@ namespace devices {
 /// Thread-safe.
 class ZoneServant final : public gecos::ZoneServant {
  public:
-  /// Shows a text in the laboratory, where only a person in the laboratory can read it.
+  /// Shows a text in the laboratory, at a place where only the persons in the laboratory can read
+  /// it.
   using Display = std::function<void(const std::string& text)>;
 
   ZoneServant(std::string name, gecos::access::Zone::Sources sources, Display display);

@@ -1,10 +1,10 @@
 // The eight configurations in which a six-axis arm with a spherical wrist can reach one pose.
 //
-// A configuration is a posture that can be seen, and does not depend on the signs of the axes. The
-// model of an arm names joint positions `front` at which the arm is righty, above and noflip by
-// definition: the elbow up, the wrist in front of the shoulder, the flange bent up from the
-// forearm, as in the nominal pose qn of the Puma 560 (P. Corke). The direction "in front" is fixed
-// to link 1: it turns with joint 1.
+// A configuration is a posture that a person can see. It does not depend on the directions in which
+// the joint angles count as positive. The model of an arm names joint positions `front` at which
+// the arm is righty, above and noflip by definition: the elbow up, the wrist in front of the
+// shoulder, the flange bent up from the forearm, as in the nominal pose qn of the Puma 560 (P.
+// Corke). The direction "in front" is fixed to link 1: it turns with joint 1.
 //
 // The definition uses the vertical plane in which the arm moves. d is the horizontal distance of
 // the wrist centre W from axis 1, and is positive in front. (wx, wz) and (ex, ez) are the

@@ -16,7 +16,8 @@ struct OutOfReach {
   std::string reason;
 };
 
-/// How far the tool has moved on a straight line, from its start.
+/// A place on a straight line of the tool: the distance and the angle by which the tool has moved
+/// from the start of the line.
 struct PlaceOnLine {
   double way = 0;   ///< m
   double turn = 0;  ///< rad
@@ -29,8 +30,8 @@ struct JointLimit {
   double value = 0;      ///< position that the goal or the place needs, rad
   double lower = 0;      ///< lower limit, rad
   double upper = 0;      ///< upper limit, rad
-  /// The place on the straight line that the tool would reach with the joint at `value`; empty if
-  /// that place is the goal.
+  /// The place on the straight line of the tool at which the joint would need the position `value`.
+  /// Empty if the goal itself needs this position.
   std::optional<PlaceOnLine> place{};
   /// The configuration for which the joint position was computed. All members are empty if the goal
   /// was given as joint positions, or if the arm has no configurations.

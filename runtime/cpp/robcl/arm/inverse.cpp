@@ -41,7 +41,7 @@ double nearest_turn(double angle, double reference, const JointLimits& limits) {
   double best = nearest;
   // Tries first the angle that is nearest to `reference` and differs from `angle` by whole turns.
   // Then tries the angles that are one and two turns away from this first angle. More turns are not
-  // tried, because no known joint has such a range.
+  // tried, because no known joint with limits turns so far.
   for (const int turns : {1, -1, 2, -2}) {
     if (outside(best, limits) == 0) break;
     const double copy = nearest + turns * whole_turn;

@@ -26,16 +26,17 @@ class InverseKinematics {
                                                    const JointValues& reference,
                                                    const Configuration& wanted = {}) = 0;
 
-  /// Returns the configuration of an arm at the joint positions `joints`. A member is empty at its
-  /// singularity. All members are empty if the solver does not know configurations.
+  /// Returns the configuration of an arm at the joint positions `joints`. The member of the
+  /// shoulder, the elbow or the wrist is empty if the arm is at the singularity of this part. All
+  /// members are empty if the solver does not know configurations.
   virtual Configuration configuration(const JointValues& joints) = 0;
   /// Returns whether the solver knows configurations.
   virtual bool has_configurations() const = 0;
 };
 
-/// Makes a solver for `model`. This is the closed-form solver if the geometry of the arm allows it
-/// and a test of its solutions by forward kinematics succeeds. Otherwise it is KDL's iterative
-/// solver, which may miss solutions.
+/// Makes a solver for `model`. The solver is a closed-form solver if the geometry of the arm allows
+/// it and if forward kinematics confirm its solutions for test poses. Otherwise, the solver is
+/// iterative: it uses KDL, and may miss solutions.
 std::unique_ptr<InverseKinematics> make_inverse(const ArmModel& model);
 
 /// Returns the shortest time in s for a move from the joint positions `from` to the joint positions

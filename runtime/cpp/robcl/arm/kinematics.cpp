@@ -55,7 +55,8 @@ Kinematics::Link Kinematics::link_of(const Frame& frame) {
 }
 
 /// Goes along the chain at the joint positions `joints`, and calls `visit` with the index, the
-/// origin and the axis of each joint. Returns the pose of `end`, which is seen from the last joint.
+/// origin and the axis of each joint. `end` is a pose, seen from the last joint; returns the same
+/// pose, seen from the base.
 template <class Visit>
 Frame Kinematics::walk(const JointValues& joints, const Link& end, Visit visit) const {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();

@@ -11,10 +11,10 @@
 
 namespace robcl::arm {
 
-/// Computes forward kinematics without allocating memory. The constructor computes once what does
+/// Computes forward kinematics without allocating memory. The constructor computes all that does
 /// not depend on the joint positions: it multiplies the constant transforms between two joints of
-/// the KDL chain, and makes each joint turn about a z axis. Therefore a control cycle has time for
-/// several poses with their Jacobian matrices.
+/// the KDL chain, and gives each joint a coordinate system in which the joint turns about the z
+/// axis. Therefore a control cycle has time for several poses with their Jacobian matrices.
 class Kinematics {
  public:
   /// `flange_from_tip` is the pose, seen from the flange, of the tip whose Jacobian matrix is
@@ -30,8 +30,8 @@ class Kinematics {
     /// joint i turns, with 1 rad/s.
     Jacobian jacobian;
   };
-  /// Returns the place of the tip at the joint positions `joints`. @pre `joints` has one position
-  /// for each axis.
+  /// Returns the pose and the Jacobian matrix of the tip at the joint positions `joints`. @pre
+  /// `joints` has one position for each axis.
   Place place(const JointValues& joints) const;
 
  private:

@@ -7,7 +7,8 @@ namespace robcl::arm {
 namespace {
 
 // The square of the damping factor. The factor is small, because damping slows the convergence.
-// Near a singularity, such a small factor lets the search leave the range `furthest`.
+// Near a singularity, a search with such a small factor may leave the range `furthest`, and then
+// fails.
 constexpr double damping = 1e-10;
 
 }  // namespace
@@ -25,10 +26,10 @@ DampedInverse::DampedInverse(const Jacobian& jacobian)
   root_.compute(square_);
 }
 
-/// Estimates the least eigenvalue of the square matrix by the least pivot of its decomposition.
-/// This pivot is never below the eigenvalue. An arm with fewer than six joints can never move its
-/// tool in every direction; for such an arm, the function ignores the directions that are never
-/// possible.
+/// Estimates the least eigenvalue of J·Jᵀ, where J is the Jacobian matrix, by the least pivot of
+/// the decomposition of J·Jᵀ. This pivot is never below the eigenvalue. An arm with fewer than six
+/// joints can never move its tool in every direction. For such an arm, the function takes Jᵀ·J
+/// instead, which leaves out the impossible directions.
 double DampedInverse::singularity_distance() const {
   if (jacobian_.cols() >= square_.rows()) {
     return std::sqrt(std::max(square_.ldlt().vectorD().minCoeff() - damping, 0.0));

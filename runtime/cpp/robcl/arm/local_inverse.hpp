@@ -24,16 +24,16 @@ class DampedInverse {
  public:
   explicit DampedInverse(const Jacobian& jacobian);
 
-  /// Returns the joint speeds at which the point for which the Jacobian matrix was computed moves
-  /// with the twist `twist`, in m/s and rad/s. If several joint speeds are possible, as for an arm
-  /// with more than six joints, returns the smallest ones. At a singularity the speeds are large
-  /// but finite.
+  /// Returns the joint speeds, in rad/s, that give the twist `twist`, in m/s and rad/s, to the
+  /// point for which the Jacobian matrix was computed. If several joint speeds are possible, as for
+  /// an arm with more than six joints, returns the smallest ones. At a singularity the speeds are
+  /// large but finite.
   JointValues joint_speeds(const PoseStep& twist) const {
     return jacobian_.transpose() * PoseStep(root_.solve(twist));
   }
-  /// Returns how far the arm is from a singularity: roughly the least speed, in m/s or rad/s, of
-  /// the point of the Jacobian matrix when the joints move with 1 rad/s. The distance is 0 at a
-  /// singularity.
+  /// Returns a measure of the distance to the nearest singularity; 0 at a singularity. The measure
+  /// is roughly the least speed, in m/s or rad/s, of the point for which the Jacobian matrix was
+  /// computed, if the vector of the joint speeds has the length 1 rad/s.
   double singularity_distance() const;
 
  private:
@@ -66,13 +66,13 @@ class LocalInverse {
   struct Solution {
     JointValues joints;
     Frame base_from_tool;
-    DampedInverse inverse;  ///< of the tool's Jacobian matrix at `joints`
+    DampedInverse inverse;  ///< inverse of the tool's Jacobian matrix at `joints`
   };
   /// Returns the solution whose joint positions are `joints`.
   Solution at(const JointValues& joints) const;
-  /// Returns joint positions that put the tool at `base_from_tool`. Returns nullopt if there are
-  /// none within `furthest` of the joint positions of `known`, for example beyond the reach of the
-  /// arm or near a singularity. Does not check the limits of the joints.
+  /// Returns joint positions that put the tool at `base_from_tool`. Returns nullopt if the search
+  /// finds none within `furthest` of the joint positions of `known`, for example beyond the reach
+  /// of the arm or near a singularity. Does not check the limits of the joints.
   std::optional<Solution> solve(const Frame& base_from_tool, const Solution& known,
                                 double tolerance = accuracy) const;
 

@@ -20,8 +20,8 @@ struct ModelError {
 /// The model of an arm: a chain of revolute joints from a base link to a flange link. A model never
 /// changes.
 ///
-/// Threads must not share a chain, because const methods of KDL::Joint cache its last pose. A
-/// computation must therefore use a copy of the chain (see Kinematics).
+/// Threads must not share a chain, because const methods of KDL::Joint change a cache of the last
+/// pose. A computation must therefore use a copy of the chain (see Kinematics).
 class ArmModel {
  public:
   /// Makes a model from the text of a URDF file. URDF has no acceleration limits. Therefore each

@@ -24,9 +24,10 @@ constexpr double stretched = 1e-9;
 // If the wrist centre is nearer to axis 1 than this distance, in m, joint 1 may have any position.
 // The same is true for axis 2 and joint 2.
 constexpr double singular = 1e-9;
-// An arm that is closer than this angle, in rad, to a singularity has no configuration. The limit
-// is not smaller, because a rounding error of 1e-16 changes the angles of a stretched arm by 1e-8.
-// If the elbow is closer than this angle to the stretched position, it counts as stretched, which
+// If one of the three measures in configuration.hpp is nearer to 0 than this value, the arm counts
+// as singular, and the corresponding member of the configuration is empty. The value is not
+// smaller, because a rounding error of 1e-16 changes the angles of a stretched arm by 1e-8. If the
+// elbow is closer than this value, in rad, to the stretched position, it counts as stretched, which
 // moves the wrist centre by 1e-15 m.
 constexpr double aligned = 1e-7;
 // If joint 5 is closer than this angle, in rad, to the position where axes 4 and 6 are in one line,
@@ -218,8 +219,8 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
   const Matrix3d arm = (AngleAxisd(first_three[0], axes_[0]) *
                         AngleAxisd(first_three[1], axes_[1]) * AngleAxisd(first_three[2], axes_[2]))
                            .toRotationMatrix();
-  // `left` is the rotation Rz(q4)·Ry(q5 + tilt)·Rz(±q6) in the frame of the wrist, which joints 4
-  // to 6 must make.
+  // `left` is the rotation that joints 4 to 6 must make, in the frame of the wrist: Rz(q4)·Ry(q5 +
+  // tilt)·Rz(±q6).
   const Matrix3d left = base_from_wrist_.transpose() * arm.transpose() *
                         base_from_flange.rotation() * zero_turn_.transpose() * base_from_wrist_ *
                         AngleAxisd(sixth_tilt_, Vector3d::UnitY()).toRotationMatrix();

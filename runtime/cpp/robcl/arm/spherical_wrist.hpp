@@ -2,11 +2,12 @@
 //
 // The geometry of the arm must be as follows. Axis 2 is at right angles to axis 1, and axis 3 is
 // parallel to axis 2. Axes 4, 5 and 6 meet in the wrist centre, and axis 5 is at right angles to
-// axes 4 and 6. Axis 2 may have an offset from axis 1, and so may the arm's plane. All industrial
-// six-axis arms of this kind have this geometry, for example the RX90 and the Puma 560. The method
-// is that of D. Pieper, "The Kinematics of Manipulators under Computer Control" (1968). Joints 1 to
-// 3 alone place the wrist centre: they are a planar arm with two links, which joint 1 turns. Joints
-// 4 to 6 are a ZYZ rotation, which gives the remaining orientation.
+// axes 4 and 6. Axis 2 may have an offset from axis 1, and so may the plane in which joints 2 and 3
+// move the arm. All industrial six-axis arms of this kind have this geometry, for example the RX90
+// and the Puma 560. The method is that of D. Pieper, "The Kinematics of Manipulators under Computer
+// Control" (1968). Joints 1 to 3 alone place the wrist centre: they are a planar arm with two
+// links, which joint 1 turns. Joints 4 to 6 are a ZYZ rotation, which gives the remaining
+// orientation.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -20,10 +21,10 @@ namespace robcl::arm {
 
 class SphericalWristInverse final : public InverseKinematics {
  public:
-  /// Makes a solver for `model`. Returns null if the arm has another geometry, or if the solver's
-  /// solutions for test poses are wrong by forward kinematics. Throws std::invalid_argument if the
-  /// joint positions `model.front()` are at a singularity, or have the elbow below the line from
-  /// the shoulder to the wrist.
+  /// Makes a solver for `model`. Returns null if the arm has another geometry, or if forward
+  /// kinematics show that the solver's solutions for test poses are wrong. Throws
+  /// std::invalid_argument if the joint positions `model.front()` are at a singularity, or have the
+  /// elbow below the line from the shoulder to the wrist.
   static std::unique_ptr<SphericalWristInverse> for_arm(const ArmModel& model);
 
   tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
@@ -33,7 +34,7 @@ class SphericalWristInverse final : public InverseKinematics {
   bool has_configurations() const override { return true; }
 
   struct Solution {
-    JointValues joints;  ///< each within half a turn of the reference; limits are not checked
+    JointValues joints;  ///< within half a turn of the reference; may be outside the joint limits
     Configuration configuration;
   };
   struct Solutions {
@@ -41,7 +42,7 @@ class SphericalWristInverse final : public InverseKinematics {
     std::size_t count = 0;
   };
   /// Returns all solutions in configurations that `wanted` admits, at most eight. At a singularity,
-  /// some of them are equal.
+  /// some of the solutions are equal.
   Solutions all(const Frame& base_from_flange, const JointValues& reference,
                 const Configuration& wanted = {}) const;
 
@@ -66,8 +67,8 @@ class SphericalWristInverse final : public InverseKinematics {
   Eigen::Matrix3d base_from_plane_;  // columns: joint 1's direction, axis 2, axis 1
   Eigen::Vector3d origin_;           // point of axis 1 at the height of axis 2
 
-  // The following members are lengths in m and angles in rad in the arm's plane. The angles are
-  // measured from axis 1 towards the direction of joint 1.
+  // The following members are lengths in m and angles in rad in the plane in which joints 2 and 3
+  // move the arm. The angles are measured from axis 1 towards the direction of joint 1.
   double shoulder_ = 0;  // distance from axis 1 to axis 2
   double lateral_ = 0;   // offset of the wrist centre along axis 2
   double upper_arm_ = 0, upper_arm_angle_ = 0;

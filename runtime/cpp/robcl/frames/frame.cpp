@@ -9,14 +9,14 @@
 namespace robcl {
 namespace {
 
-/// These texts follow "<number> is " in the message of a decoder.
+/// The error messages of a decoder contain "<number> is ", followed by one of these two texts.
 constexpr char not_finite[] = "the sum of the coordinates, which must be finite";
 constexpr char no_rotation[] =
     "the length of the orientation's quaternion, which must be 1; without rotation, w is 1";
 
-// If sin(b/2) or cos(b/2) of the middle ZYZ Euler angle b is smaller than this, the angles a and c
-// turn about the same axis. Then c is set to 0. For ZYX Euler angles, b + 90 degrees takes the
-// place of b.
+// A threshold for sin(b/2) and cos(b/2), where b is the middle one of the ZYZ Euler angles a, b, c.
+// If either value is below the threshold, the angles a and c turn about the same axis, and c is set
+// to 0. For ZYX Euler angles, b + 90 degrees takes the place of b.
 constexpr double parallel_axes = 1e-9;
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
@@ -28,10 +28,10 @@ Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis));
 }
 
-/// Returns the quaternion of a rotation matrix. Its first nonzero component is positive. The
-/// largest component is computed first, so that rounding errors of the other components stay small.
-/// The Python class does the same arithmetic, so that both languages give the same sign even near
-/// half a turn.
+/// Returns the quaternion of a rotation matrix. The first nonzero component of the quaternion is
+/// positive. The largest component is computed first, so that rounding errors of the other
+/// components stay small. The Python class Frame does the same arithmetic, so that both languages
+/// give the same sign even near half a turn.
 Eigen::Quaterniond from_rotation(const Eigen::Matrix3d& m) {
   const double a = m(0, 0), b = m(0, 1), c = m(0, 2);
   const double d = m(1, 0), e = m(1, 1), f = m(1, 2);

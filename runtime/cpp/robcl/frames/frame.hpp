@@ -58,7 +58,8 @@ struct Wrench {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
 };
 
-/// Returns the axis of the rotation `turn` times its angle in rad, which is in [0, pi].
+/// Returns the rotation vector of `turn`: the unit vector along the axis of the rotation,
+/// multiplied by the angle of the rotation in rad. The angle is in [0, pi].
 Eigen::Vector3d rotation_vector(Eigen::Quaterniond turn);
 
 /// The position, in m, and the orientation of a coordinate system, seen from another coordinate
@@ -66,7 +67,7 @@ Eigen::Vector3d rotation_vector(Eigen::Quaterniond turn);
 /// its negative are the same orientation, but `==` returns false for them.
 ///
 /// The class has more methods than other classes, because each representation of a rotation needs
-/// one to make a frame and one to read it.
+/// one method that makes a frame from it, and one method that returns it.
 class Frame {
  public:
   /// The length of a quaternion, or of a column of a rotation matrix, may differ from 1 by this
@@ -107,7 +108,8 @@ class Frame {
   /// Returns the angles rx, ry, rz about the fixed axes in rad. They are the angles of `euler_zyx`
   /// in reverse order.
   std::array<double, 3> fixed_xyz() const;
-  /// Returns the axis of the rotation times its angle in rad, which is in [0, pi].
+  /// Returns the rotation vector of the orientation: the unit vector along the axis of the
+  /// rotation, multiplied by the angle of the rotation in rad. The angle is in [0, pi].
   Eigen::Vector3d rotation_vector() const { return robcl::rotation_vector(orientation()); }
   /// Returns the orientation as a quaternion w, x, y, z.
   std::array<double, 4> quaternion() const;
@@ -120,9 +122,9 @@ class Frame {
   /// Converts a point from this frame's coordinate system to the coordinate system from which this
   /// frame is seen.
   Eigen::Vector3d transform(const Eigen::Vector3d& point) const;
-  /// Converts a twist or a wrench to the origin and the axes from which this frame is seen. With
-  /// the rotation R and the position p of this frame, a twist (v, ω) becomes (R·v + p × R·ω, R·ω),
-  /// and a wrench (f, τ) becomes (R·f, R·τ + p × R·f).
+  /// Converts a twist or a wrench from this frame's coordinate system to the coordinate system from
+  /// which this frame is seen. With the rotation R and the position p of this frame, a twist (v, ω)
+  /// becomes (R·v + p × R·ω, R·ω), and a wrench (f, τ) becomes (R·f, R·τ + p × R·f).
   Twist transform_twist(const Twist& twist) const;
   Wrench transform_wrench(const Wrench& wrench) const;
 

@@ -8,22 +8,23 @@
 namespace robcl::motion {
 namespace {
 
-// The lead chooses the speed of the tool so that each joint uses at most these shares of its
-// limits: `speed_share` of its speed; `change_share` of its acceleration, when the tool changes its
-// speed; `bend_share` of its acceleration, in a bend that the tool passes at constant speed.
+// The lead chooses the speed of the tool so that no joint exceeds these shares of its own limits:
+// `speed_share` of the limit of speed; `change_share` of the limit of acceleration, while the tool
+// changes its speed; `bend_share` of the limit of acceleration, in a bend that the tool passes at
+// constant speed.
 constexpr double speed_share = 0.95, change_share = 0.6, bend_share = 0.35;
-// The greatest factor by which the lead slows the tool. At a singularity no speed is low enough for
-// the joints, and JointLimiter limits them.
+// The greatest factor by which the lead slows the tool. At a singularity, no speed of the tool is
+// low enough for the joints. There, JointLimiter limits the speeds of the joints.
 constexpr double slowest = 20;
 // The least distance to a singularity, as DampedInverse measures it. The tool does not move nearer
 // to the singularity, because a joint would then turn by more than 20 rad while the tool moves 1 m.
 constexpr double near_singularity = 0.05;
-// The accuracy, in m and rad, of the place at which the lead would stand if it braked now.
-// JointLimiter keeps the limits of the joints in any case.
+// The accuracy, in m and rad, of the place at which the lead would stand if it braked now. This low
+// accuracy is enough, because JointLimiter keeps the limits of the joints in any case.
 constexpr double foresight = 1e-6;
 
-/// Returns the twist in the direction of `way` with the given speeds. A part of `way` that is zero
-/// remains zero.
+/// Returns the twist in the direction of `way` with the given speeds. If the displacement or the
+/// rotation of `way` is zero, it remains zero.
 arm::PoseStep twist(const arm::PoseStep& way, double speed, double turn_speed) {
   arm::PoseStep result;
   result << way.head<3>().stableNormalized() * speed, way.tail<3>().stableNormalized() * turn_speed;
@@ -125,9 +126,9 @@ void ArmLead::accept(const ToolLead& lead, const Solution& at, double cycle) {
   at_ = at;
 }
 
-/// Returns the limits of the tool at the joint positions of `inverse`. They are so low that no
-/// joint exceeds its share when the tool moves with the greatest speed and acceleration towards the
-/// target, or in the direction of the lead's motion.
+/// Returns the limits of the tool at the joint positions of `inverse`. These limits are so low that
+/// no joint exceeds its share (see `speed_share`) when the tool moves with the greatest speed and
+/// acceleration towards the target, or in the direction of the lead's motion.
 ToolLimits ArmLead::limits_at(const arm::DampedInverse& inverse, const ToolLead& lead,
                               const Frame& target) const {
   double slower = 1, softer = 1;

@@ -16,9 +16,9 @@ struct Hold {
   bool out_of_reach = false;     ///< at the end of the arm's reach, or beside a singularity
 };
 
-/// A ToolLead with limits so low that the joints of the arm can follow it. The lead moves only
-/// while it can still brake to a place that the arm reaches within its limits and away from
-/// singularities. The constructor allocates all memory.
+/// A ToolLead whose limits are so low that the joints of the arm can follow the lead. The lead
+/// moves only while it can still brake to a place that the arm reaches within its limits and away
+/// from singularities. The constructor allocates all memory.
 class ArmLead {
  public:
   /// The lead starts where the arm has the joint positions `joints`.
@@ -64,7 +64,7 @@ class ArmLead {
   const arm::LocalInverse inverse_;
 
   ToolLead lead_;
-  Solution at_;  // at the pose of lead_
+  Solution at_;  // joint positions that put the tool at lead_.pose
   Change change_;
 };
 

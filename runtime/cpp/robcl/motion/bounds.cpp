@@ -7,7 +7,7 @@
 namespace robcl::motion {
 namespace {
 
-constexpr double piece = 0.125;       // of an interval
+constexpr double piece = 0.125;       // length of a piece, as a fraction of an interval
 constexpr double negligible = 1e-12;  // rad or m: a smaller movement on the path sets no limit
 
 }  // namespace
@@ -34,8 +34,8 @@ PathBounds::PathBounds(const Path& path, const arm::ArmModel& model,
   }
 }
 
-/// Lowers the cap at the knot `knot` to the speed that `limits` allow there. `limits` are the
-/// limits of an interval beside the knot, and `slope` is the slope of the path at the knot.
+/// Lowers the cap of (ds/dt)² at the knot `knot` to the value that `limits` allow there. `limits`
+/// are the limits of an interval beside the knot, and `slope` is the slope of the path at the knot.
 void PathBounds::cap(std::size_t knot, const JointValues& slope, const IntervalLimits& limits) {
   double& cap = caps_[knot];
   cap = std::min(cap, limits.cap);
@@ -52,14 +52,14 @@ void PathBounds::tighten(std::size_t knot, double factor) {
   for (const std::size_t end : {knot, knot + 1}) caps_[end] /= squared(factor);
 }
 
-/// Restricts `interval`, the allowed values of u at `x`, to the values for which the absolute value
-/// of `acceleration` is at most `limit`.
+/// Restricts `interval`, the allowed values of u = d²s/dt² where (ds/dt)² is `x`, to the values for
+/// which the absolute value of `acceleration` is at most `limit`.
 void PathBounds::restrict(Interval& interval, const Acceleration& acceleration, double x,
                           double limit) {
   const auto [per_u, per_x] = acceleration;
   if (std::abs(per_u) <= negligible) {
-    // The limit depends on x only. If x exceeds the limit, no u is allowed: the lower end of the
-    // interval is set above its upper end, by the excess.
+    // The limit depends on x only. If x exceeds the limit, no u is allowed. To make the interval
+    // empty, its lower end is set above its upper end, by the excess.
     const double excess = std::abs(per_x) * x - limit;
     if (excess > 0) interval = {excess, 0, std::abs(per_x), 0};
     return;
@@ -79,8 +79,9 @@ double PathBounds::acceleration_limit(std::size_t knot, Eigen::Index axis) const
   return accelerations_[axis] * stretches_[knot].limits.acceleration;
 }
 
-/// Returns the acceleration at the fraction `place` of the interval. (ds/dt)² is x at the fraction
-/// `part`, and x + 2·u·(place - part)·step at `place`.
+/// Returns the acceleration of the joint `axis` at the fraction `place` of the interval. In the
+/// result, x is (ds/dt)² at the fraction `part`. At `place`, (ds/dt)² is x + 2·u·(place -
+/// part)·step.
 PathBounds::Acceleration PathBounds::acceleration(std::size_t knot, Eigen::Index axis, double place,
                                                   double part) const {
   const Stretch& here = stretches_[knot];
@@ -100,8 +101,8 @@ PathBounds::Acceleration PathBounds::between(std::size_t knot, Eigen::Index axis
           2 * middle.per_x - (one.per_x + other.per_x) / 2};
 }
 
-/// Returns the values of u that the limits of the tool allow from the fraction `part` of the
-/// interval, where (ds/dt)² is `x`, to its end.
+/// Returns the values of u = d²s/dt² that the limits of the tool allow on the rest of the interval:
+/// from the fraction `part`, where (ds/dt)² is `x`, to the end of the interval.
 PathBounds::Interval PathBounds::of_tool(std::size_t knot, double part, double x) const {
   Interval allowed{-infinite, infinite};
   const IntervalLimits& limits = stretches_[knot].limits;

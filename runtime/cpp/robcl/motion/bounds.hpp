@@ -39,7 +39,7 @@ class PathBounds {
   /// The allowed values of u at one x. Both ends of the interval are linear functions of x.
   struct Interval {
     double lower = 0, upper = 0;
-    double lower_per_x = 0, upper_per_x = 0;  ///< slopes of these lines
+    double lower_per_x = 0, upper_per_x = 0;  ///< slopes of `lower` and `upper`
     bool empty() const { return lower > upper; }
     void raise_lower(double value, double per_x) {
       if (value > lower) lower = value, lower_per_x = per_x;
@@ -49,7 +49,7 @@ class PathBounds {
     }
   };
 
-  /// `limits`: one for each interval of `path`.
+  /// `limits` has one element for each interval of `path`.
   PathBounds(const Path& path, const arm::ArmModel& model,
              const std::vector<IntervalLimits>& limits);
 
@@ -64,20 +64,20 @@ class PathBounds {
 
   /// Returns the greatest (ds/dt)² that the speed limits allow at the knot `knot`.
   double speed_cap(std::size_t knot) const { return caps_[knot]; }
-  /// Returns the values of u = d²s/dt² that the limits allow from the knot `knot` to the next one.
-  /// (ds/dt)² is `x` at this knot. The limits are checked at both knots and in the middle.
+  /// Returns the values of u = d²s/dt² that the limits allow from the knot `knot`, where (ds/dt)²
+  /// is `x`, to the next knot. The limits are checked at both knots and in the middle between them.
   Interval over_interval(std::size_t knot, double x) const;
   /// Like over_interval, but for the remaining part of the interval: from the fraction `part` of
   /// the interval, where (ds/dt)² is `x`, to the next knot. With the returned values, the limits of
   /// acceleration hold everywhere in this part. Never allocates memory.
   Interval over_rest(std::size_t knot, double part, double x) const;
-  /// Returns the greatest allowed d²s/dt² in the interval after the knot `knot`. If the path is a
-  /// straight line, this is the limit of the tool. Otherwise, it follows from the limits of the
-  /// joints as if the path were not curved.
+  /// Returns the greatest allowed d²s/dt² in the interval after the knot `knot`. If the tool moves
+  /// on a straight line there, the result follows from the limit of the tool. Otherwise, it follows
+  /// from the limits of the joints as if the path were not curved.
   double acceleration_limit(std::size_t knot) const;
   /// Returns the factor by which a motion must be slowed so that it keeps the limits everywhere
   /// from the knot `knot` to the next one. The factor is 1 if the motion already keeps the limits.
-  /// (ds/dt)² is `x` at this knot.
+  /// The motion has (ds/dt)² = `x` at the knot `knot`, and d²s/dt² = `u` up to the next knot.
   double excess(std::size_t knot, double x, double u) const;
 
  private:
@@ -87,7 +87,8 @@ class PathBounds {
     JointValues change;            ///< of the curvature, up to the end of the interval
     IntervalLimits limits;
   };
-  /// The acceleration of a joint at one place: per_u·u + per_x·x.
+  /// The acceleration of a joint at one place: per_u·u + per_x·x, with u = d²s/dt² and x =
+  /// (ds/dt)².
   struct Acceleration {
     double per_u = 0, per_x = 0;
   };
@@ -101,8 +102,8 @@ class PathBounds {
   static void restrict(Interval& interval, const Acceleration& acceleration, double x,
                        double limit);
 
-  JointValues accelerations_, speeds_;  // of the joints, at full pace
-  std::vector<double> places_;          // of the knots
+  JointValues accelerations_, speeds_;  // limits of the joints, at full pace
+  std::vector<double> places_;          // s at each knot
   std::vector<double> caps_;            // greatest (ds/dt)² per knot
   std::vector<Stretch> stretches_;      // one per interval
 };

@@ -8,9 +8,10 @@
 namespace robcl::motion {
 
 /// Returns the greatest speed for the next cycle from which a motion can stop after exactly
-/// `distance`. The speed falls by at most acceleration·cycle from one cycle to the next; the last
-/// cycle may have any speed up to this. With the speeds v, v - a, … in N cycles, the distance is
-/// cycle·(N·v - a·N·(N - 1)/2). @pre all arguments are positive, `distance` may be 0.
+/// `distance`. The speed falls by at most acceleration·cycle from one cycle to the next. The last
+/// cycle may have any speed up to acceleration·cycle. With a = acceleration·cycle and the speeds v,
+/// v - a, … in N cycles, the distance is cycle·(N·v - a·N·(N - 1)/2). @pre all arguments are
+/// positive; `distance` may also be 0.
 inline double stopping_speed(double distance, double acceleration, double cycle) {
   const double change = acceleration * cycle;
   const double cycles = distance / (change * cycle);

@@ -16,8 +16,8 @@ double Ceiling::height(std::size_t knot, double s) const {
          (squares_[knot] + std::clamp(part, 0.0, 1.0) * (squares_[knot + 1] - squares_[knot]));
 }
 
-/// Moves `state` with d²s/dt² = `u` to the next knot, but for at most `seconds`. Subtracts the time
-/// that this takes from `seconds`.
+/// Moves `state` with d²s/dt² = `u` to the next knot; if `whole` is false, for at most `seconds`.
+/// When the motion reaches the knot, subtracts the time that it took from `seconds`.
 Ceiling::Step Ceiling::step(State& state, double u, double& seconds, bool whole) const {
   const double tolerance =
       slightly * factor_ * std::max(squares_[state.knot], squares_[state.knot + 1]);

@@ -28,7 +28,8 @@ class Line {
   double turn() const { return turn_.norm(); }   ///< rad
   /// Returns the frame after the fraction `part` of the line. `part` is from 0 to 1.
   Frame at(double part) const { return interpolate(start_, goal_, part); }
-  /// Returns how far along the line the fraction `part` is.
+  /// Returns the distance and the angle from the start of the line to the fraction `part` of the
+  /// line.
   arm::PlaceOnLine place(double part) const { return {length() * part, turn() * part}; }
 
  private:

@@ -5,7 +5,8 @@
 namespace robcl::motion {
 namespace {
 
-/// A displacement, in m, and a rotation vector, in rad, seen from the tool on its line.
+/// The difference of two poses of the tool: the displacement along the axes of the base, in m, and
+/// the rotation vector along the axes of the first pose, in rad.
 struct Offset {
   Eigen::Vector3d way, turn;
 };
@@ -25,9 +26,10 @@ WayAndTurn LineDeviation::bend(double step) const {
           (of_even * even.turn + of_odd * odd.turn) * per_s};
 }
 
-/// The even part is proportional to t²(1 - t)². It is the deviation that remains if the slopes at
-/// the knots are exact. The odd part is proportional to t(1 - t)(1 - 2t), and comes from errors of
-/// the slopes. Both parts follow from the deviations at two places of the interval.
+/// At the fraction t of the interval, the even part of the deviation is proportional to t²(1 - t)²,
+/// and the odd part to t(1 - t)(1 - 2t). The even part is the deviation that remains if the slopes
+/// at the knots are exact. The odd part comes from errors of the slopes. Both parts follow from the
+/// deviations at t = 1/4 and at t = 3/4.
 LineDeviation deviation_in(const Path& path, std::size_t interval, const LineOnPath& line,
                            const arm::Kinematics& forward) {
   const double begin = path.place(interval), step = path.step(interval);

@@ -22,20 +22,22 @@ struct LineOnPath {
 };
 
 /// How far the tool is from its line in one interval of a path, in m and rad. The tool is on the
-/// line at both knots. Between them the joints are cubics, so the distance is the sum of an even
-/// part, which is greatest in the middle, and of an odd part, which is greatest near 1/4 and 3/4 of
-/// the interval.
+/// line at both knots. Between the knots the joint positions are cubic polynomials of s, so the
+/// distance is the sum of an even part, which is greatest in the middle, and of an odd part, which
+/// is greatest near 1/4 and 3/4 of the interval.
 struct LineDeviation {
   WayAndTurn even, odd;
-  /// The greatest first derivatives by s of the deviation along the line and about its axis, in m
-  /// and rad per s. The tool may be faster than its line by these values.
+  /// The greatest first derivatives by s of the deviation, along the line and about the axis about
+  /// which the tool turns on the line, in m and rad per unit of s. The speeds of the tool may
+  /// exceed those on the exact line by these values.
   WayAndTurn faster;
 
   /// Returns a bound of the distance of the tool from its line, in m. The angle has no bound:
   /// between two knots, the tool may turn further than the line demands.
   double furthest() const { return even.way + odd.way; }
   /// Returns the greatest second derivatives by s of the distance and the angle, in m and rad per
-  /// square of s. `step`: the length of the interval in s. Both parts bend most at the knots.
+  /// square of s. `step` is the length of the interval in s. The even and the odd part of the
+  /// deviation bend most at the knots.
   WayAndTurn bend(double step) const;
 };
 

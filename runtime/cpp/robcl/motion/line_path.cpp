@@ -115,9 +115,9 @@ class LineWalk {
   }
 
   /// Returns why the joint positions at the fraction `part` of the line are so far from `before`.
-  /// If the solution next to `before` is outside the limits of the joints, the cause is the limit,
-  /// because a solver without configurations then returns a distant solution. Otherwise the cause
-  /// is a singularity.
+  /// The cause is the limit of a joint if the solution next to `before` is outside the limits of
+  /// the joints: a solver without configurations then returns a distant solution. Otherwise the
+  /// cause is a singularity.
   Failure why_so_far(const JointValues& before, const Turn& turn, double part, double each) const {
     const arm::LocalInverse near(model_);
     const auto next = near.solve(line_.at(part) * tool_from_flange_, near.at(before));
@@ -152,7 +152,7 @@ class LineWalk {
   const std::size_t most_parts_;
 };
 
-/// Makes a path on which the tool is on its line at the knots.
+/// Makes a path of the joints that puts the tool on its line at each knot of the path.
 tl::expected<Path, Failure> path_of(LineWalk& walk, const arm::ArmModel& model,
                                     arm::InverseKinematics& inverse, const JointValues& from,
                                     const LineOnPath& way) {

@@ -15,12 +15,12 @@ inline constexpr double line_tolerance = mm(0.05);
 
 struct LinePath {
   Path path;           ///< s is from 0 to the duration of the line
-  double most_turned;  ///< by how much a joint turns between two knots, at most, in rad
-  /// The greatest second derivatives by s of the distance and the angle of the tool from its line,
-  /// in each interval, in m and rad per square of s.
+  double most_turned;  ///< greatest angle by which a joint turns between two knots, rad
+  /// For each interval, the greatest second derivatives by s of the distance and the angle of the
+  /// tool from its line, in m and rad per square of s.
   std::vector<WayAndTurn> bends;
-  /// By how much the tool moves and turns faster than its line, at most, in each interval, in m and
-  /// rad per s.
+  /// For each interval, the greatest difference by which the speeds of the tool exceed those on the
+  /// exact line, in m and rad per unit of s.
   std::vector<WayAndTurn> faster;
 };
 

@@ -11,15 +11,16 @@ namespace {
 constexpr double most_reduced = 0.8;
 // The part of the limits of acceleration that a time law must not use. A motion may leave its time
 // law at any time, for example to brake. Then the window contains parts of two motions, and the
-// mean over both parts can be greater.
+// mean acceleration over both parts can be greater than the limit that each motion keeps.
 constexpr double reserve = 0.014;  // of the limits of acceleration
 constexpr int samples = 30;        // in a window
 // The maximum number of samples of a motion. Only motions that take minutes or days reach this
 // number. Such a slow motion changes little within a window, so the samples may be further apart.
 constexpr int most_samples = 20'000;
 
-/// The bend of a path: the second and third derivative of a joint, divided by the joint's limit of
-/// acceleration. For each derivative, the joint with the greatest quotient counts.
+/// The bend of a part of a path: the second and the third derivative of a joint position by s, both
+/// divided by the joint's limit of acceleration. For each derivative, the joint with the greatest
+/// quotient counts.
 struct Bend {
   double second = 0, third = 0;
   double jump = 0;  ///< of the second derivative, at the start of the interval

@@ -8,18 +8,19 @@
 
 namespace robcl::motion {
 
-/// Returns the factor by which `law` must be slowed in each interval of `path` so that its mean
-/// keeps the limits of the joints. The factor is 1 where the mean already keeps the limits. The
-/// mean can exceed limits that the time law keeps, because at one place of the path the mean has
-/// speeds and accelerations that the time law has at other places. `limits` has the limits of each
-/// interval. The mean is checked from the time at which `law` is at the knot `from_knot`. @pre
-/// `law` begins at rest, or a window or more before this time.
+/// Returns the factor by which `law` must be slowed in each interval of `path` so that the mean
+/// over the window of `smoothing` keeps the limits of the joints. The factor is 1 where the mean
+/// already keeps the limits. The mean can exceed limits that the time law keeps, because at one
+/// place of the path the mean has speeds and accelerations that the time law has at other places.
+/// `limits` has the limits of each interval. The mean is checked from the time at which `law` is at
+/// the knot `from_knot`. @pre `law` begins at rest, or a window or more before this time.
 std::vector<double> excess_of_mean(const Path& path, const arm::ArmModel& model,
                                    const std::vector<IntervalLimits>& limits, const TimeLaw& law,
                                    std::size_t from_knot, const Smoothing& smoothing);
 
-/// Reduces the limits of each interval of `path`, so that the mean of a motion keeps `limits` if
-/// the time law of the motion keeps the returned limits and is nowhere faster than `fastest`.
+/// Returns `limits`, reduced for each interval of `path`, so that the mean of a motion over the
+/// window of `smoothing` keeps the original limits. This holds for a motion whose time law keeps
+/// the reduced limits and is nowhere faster than `fastest`.
 std::vector<IntervalLimits> narrowed(const Path& path, const arm::ArmModel& model,
                                      std::vector<IntervalLimits> limits, const TimeLaw& fastest,
                                      const Smoothing& smoothing);

@@ -21,23 +21,24 @@ struct Move {
   Frame flange_from_tool;
   bool stands = false;         ///< the goal is where the arm is
   std::vector<double> caps{};  ///< greatest (ds/dt)² in each interval; may be empty
-  /// The greatest second derivatives by s of the distance and the angle of the tool from its line,
-  /// in each interval, in m and rad per square of s; may be empty.
+  /// For each interval, the greatest second derivatives by s of the distance and the angle of the
+  /// tool from its line, in m and rad per square of s; may be empty.
   std::vector<WayAndTurn> bends{};
-  /// By how much the tool moves and turns faster than its line, at most, in each interval, in m and
-  /// rad per s; may be empty.
+  /// For each interval, the greatest difference by which the speeds of the tool exceed those on the
+  /// exact line, in m and rad per unit of s; may be empty.
   std::vector<WayAndTurn> faster{};
-  /// By how much a joint turns between two knots, at most, in rad. A straight move whose tool would
-  /// leave its line has a smaller value.
+  /// The greatest angle, in rad, by which a joint turns between two knots. It is smaller than
+  /// `joint_step` if the tool would otherwise leave its line.
   double most_turned = joint_step;
 
   double duration() const { return path.end(); }
   const JointValues& goal() const { return path.knot(path.intervals()); }
 };
 
-/// Lowers the cap of an interval on a line, so that the tool keeps the limits `speed`, in m/s and
-/// rad/s. Where the tool deviates from its line, it moves and turns faster than on the line.
-/// `faster`: the greatest difference, in m and rad per unit of the path parameter s.
+/// Lowers the cap of (ds/dt)² in an interval of a straight move, so that the tool keeps the limits
+/// `speed`, in m/s and rad/s. Where the tool deviates from its line, it moves and turns faster than
+/// on the line. `faster` is the greatest difference of these speeds, in m and rad per unit of the
+/// path parameter s.
 void lower_cap(IntervalLimits& limits, const WayAndTurn& speed, const WayAndTurn& faster);
 
 /// Returns the speed of the tool on the line of `move`, in m and rad per unit of s; zeros for a

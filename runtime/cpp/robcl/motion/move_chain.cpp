@@ -17,9 +17,9 @@ constexpr std::size_t fewest_intervals = 16, most_intervals = 4096;  // of an ov
 constexpr double same_joints = 1e-5;  // rad: joint positions that differ by less count as the same
 constexpr Eigen::Index joints_for_every_pose = 6;
 
-/// In an overlap, one motion fades out while the other fades in. The acceleration of each rises in
-/// this share of the overlap, is constant, and falls again in the same share at the end, so that it
-/// never jumps.
+/// In an overlap, one motion fades out while the other fades in. The acceleration of each motion
+/// rises in this share of the overlap, is then constant, and falls again in the same share at the
+/// end, so that the acceleration never jumps.
 constexpr double rising = 0.25;
 /// The greatest second derivative of `faded_in`.
 constexpr double greatest_bend = 2 / (1 - rising);
@@ -148,9 +148,10 @@ double least_time_alone(const Move& move, double braking) {
   return reaches_full_speed ? duration + 2 * braking : 2 * std::sqrt(2 * braking * duration);
 }
 
-/// Returns the limits of the tool in the overlap of two lines, whose velocities differ by `change`.
-/// If half the overlap is `unhindered` and the motion has the nominal speed, the overlap needs
-/// exactly the deceleration of the one move and the acceleration of the other.
+/// Returns the limits of the tool in the overlap of two straight moves, in which the velocities of
+/// the tool differ by `change`. If half the overlap has the length `unhindered` and the motion has
+/// the nominal speed, the overlap needs exactly the deceleration of the one move and the
+/// acceleration of the other.
 IntervalLimits::Tool tool_in_overlap(double fastest, double change, double half, double unhindered,
                                      double acceleration) {
   if (fastest <= 0) return {};
@@ -220,7 +221,7 @@ MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry
     // because of rounding.
     if (i == entry && end - plan_.path.place(i) < rounding * plan_.path.step(i)) break;
     // A knot just before the end would make a very short interval, so the end replaces this knot.
-    // The knots of a short corner are close together, and are not left out.
+    // The knots of a short corner are kept, although they are close together.
     const double step =
         std::min(plan_.path.step(i), plan_.path.step(std::min(i + 1, last_interval)));
     const bool last = i >= entry && plan_.path.place(i + 1) > end - step / 4;
@@ -417,9 +418,10 @@ void MoveChain::add_move(Course& course, const Overlap& overlap, const Overlap* 
   }
 }
 
-/// Computes by how much the tool bends away from its lines in the new intervals of `path`, which
-/// has the knots of `course`, and adds the result to the limits of `course`. These intervals can be
-/// longer than those of the moves, or have other slopes. Returns false if the tool leaves a line.
+/// Computes by how much the tool bends away from its lines in the new intervals of `path`, and adds
+/// the result to the limits of `course`. `path` is the path through the knots of `course`. The new
+/// intervals can be longer than those of the moves, or have other slopes. Returns false if the tool
+/// leaves a line.
 bool MoveChain::keeps_to_lines(Course& course, const Path& path) const {
   const std::size_t known = course.knots.first_slopes.size();
   std::size_t i = known > 0 ? known - 1 : 0;
@@ -458,8 +460,8 @@ bool MoveChain::slower_than_stops(const Plan& plan, double begins,
                                   const std::vector<Overlap>& overlaps) const {
   const double added = begins + plan.law.duration() - ends();
   if (overlaps.size() == 1) {
-    // Most moves add little more to the motion than their duration at full speed. Such moves are
-    // not compared with a plan that stops, because making this plan takes time.
+    // Most moves prolong the motion by little more than their duration at full speed. Such moves
+    // are not compared with a plan that stops, because making this plan takes time.
     constexpr double usual = 1.5, slack = 0.1;  // s
     const Move& next = overlaps.front().next;
     return added > usual * next.duration() + slack && added > planner_.plan(next).duration();
@@ -472,8 +474,9 @@ bool MoveChain::slower_than_stops(const Plan& plan, double begins,
   return added > alone;
 }
 
-/// Returns the joint positions at the place `s` of `move`. The path of a line is exact only at its
-/// knots. Therefore these joint positions are solved again, near the positions `near` on the path.
+/// Returns the joint positions at the place `s` of `move`. `near` are the joint positions that the
+/// path has there. The path of a straight move is exact only at its knots. Therefore, for such a
+/// move, the joint positions are solved again by the inverse kinematics, starting at `near`.
 /// Returns nullopt if that is impossible.
 std::optional<JointValues> MoveChain::joints_on(const Move& move, const JointValues& near,
                                                 double s) {

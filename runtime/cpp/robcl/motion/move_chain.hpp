@@ -34,8 +34,8 @@ class MoveChain {
   /// The place where one move goes over into the next one.
   struct Corner {
     double begins = 0, ends = 0;  ///< s in the chain
-    double distance = 0;          ///< from the goal to the tool that passes it, m
-    double angle = 0;             ///< rad
+    double distance = 0;          ///< distance at which the tool passes the goal, m
+    double angle = 0;             ///< angle of the tool from the goal at this place, rad
   };
   /// Adds the move `next`, which must start at goal(), to the chain without a stop. Does not change
   /// the motion before the time `after`. Returns nullopt, and changes nothing, if the arm cannot go
@@ -43,10 +43,10 @@ class MoveChain {
   /// the corner, that the corner is beyond a limit, that a motion with a stop would end sooner, or
   /// that a move has no length.
   std::optional<Corner> extend(const Move& next, double after);
-  /// Adds successive moves and plans the motion only once. Returns the corner before each of them.
-  /// Returns nullopt, and changes nothing, if the moves cannot be planned together. The caller can
-  /// then add the moves one after the other.
-  /// @pre `next` has at least one move, and each starts at the goal of the one before.
+  /// Adds successive moves and plans the motion only once. Returns the corner before each of the
+  /// new moves. Returns nullopt, and changes nothing, if the moves cannot be planned together. The
+  /// caller can then add the moves one after the other. @pre `next` has at least one move, and each
+  /// starts at the goal of the one before.
   std::optional<std::vector<Corner>> extend(std::span<const Move> next, double after);
 
   // All times are in s since the start of the chain, by the time laws of its plans.

@@ -29,7 +29,7 @@ struct Pace {
 
 /// Returns an error text if `pace` is invalid; nullopt if it is valid.
 std::optional<std::string> problem_of(const Pace& pace);
-/// Like problem_of, for a joint move.
+/// Returns an error text if `pace` is invalid for a joint move; nullopt if it is valid.
 std::optional<std::string> problem_of_joint_move(const Pace& pace);
 
 }  // namespace robcl::motion

@@ -55,7 +55,8 @@ class Path {
     JointValues slope, curvature;
   };
   /// Returns the derivatives in the interval that begins at the knot `interval`, at the fraction
-  /// `part` of it, from 0 to 1. The curvature is linear in an interval, and may jump at its ends.
+  /// `part` of this interval, from 0 to 1. The curvature is linear in an interval, and may jump at
+  /// its ends.
   Derivatives derivatives(std::size_t interval, double part) const;
 
   /// The range of the positions of each joint.
@@ -66,7 +67,8 @@ class Path {
   /// Between two knots, a joint may be outside the range of its positions at these knots.
   Range range(std::size_t i) const;
 
-  /// Returns the joint positions at `s`. For an `s` outside the path, returns its nearer end.
+  /// Returns the joint positions at `s`. For an `s` outside the path, returns the joint positions
+  /// at the nearer end of the path.
   JointValues position(double s) const;
 
  private:

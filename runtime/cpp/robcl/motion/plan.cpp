@@ -15,7 +15,7 @@ constexpr double content = 1.0003;
 constexpr int most_tries = 8;
 // A motion that does not start at rest cannot be slowed at its start. If its initial speed makes it
 // exceed the limits, each new try slows only the remaining motion. If the motion of a try lasts
-// more than this many times as long as the motion of the first try, planning fails.
+// more than `most_slowed` times as long as the motion of the first try, planning fails.
 constexpr double most_slowed = 3;
 double just_kept(const Smoothing& smoothing) { return smoothing.on() ? 1.0008 : content; }
 
@@ -64,7 +64,8 @@ std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
     if (tries == most_tries && from_rest) return law->slowed(worst);
     if (tries == most_tries) return worst <= just_kept(smoothing) ? law : std::nullopt;
     // Tightening a limit at one place also slows the motion around that place. From the third try
-    // on, the remaining excess is small and shrinks slowly, so the limit is tightened further.
+    // on, the remaining excess is small and shrinks slowly, so the limit is tightened more than the
+    // excess demands.
     const double exponent = tries <= 2 ? 1 : 3;
     for (std::size_t i = start.knot(); i < factors.size(); ++i) {
       if (factors[i] > 1) tightened.tighten(i, std::pow(factors[i], exponent));

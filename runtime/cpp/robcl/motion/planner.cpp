@@ -79,8 +79,8 @@ tl::expected<Move, Failure> Planner::joint_move(const JointValues& from, const J
   return Move{std::move(path), pace, std::nullopt, flange_from_tool, false, std::move(caps)};
 }
 
-/// Returns the greatest (ds/dt)² in each interval at which the tool keeps the speeds of `pace`; an
-/// empty vector if `pace` limits no speed.
+/// Returns, for each interval, the greatest (ds/dt)² at which the tool keeps the speeds of `pace`;
+/// an empty vector if `pace` limits no speed of the tool.
 std::vector<double> Planner::caps_of_tool(const Path& path, const Pace& pace,
                                           const Frame& flange_from_tool) {
   std::vector<double> caps;

@@ -13,9 +13,9 @@
 
 namespace robcl::motion {
 
-/// Computes the set points of the joints for each control cycle of a plan. Except for `append`,
-/// `elapsed` and `entered`, only the control loop calls these functions; they never allocate
-/// memory, lock or log.
+/// Computes the set points of the joints for each control cycle of a plan. Only the control loop
+/// calls the functions other than `append`, `elapsed`, `entered` and `lag`. The functions that the
+/// control loop calls never allocate memory, lock or log.
 class Playback final : public TrajectoryGenerator {
  public:
   /// @pre `plan` begins at rest.
@@ -24,8 +24,8 @@ class Playback final : public TrajectoryGenerator {
   /// Makes the motion go over into `plan` at the knot `plan.entry`. Up to this knot, `plan` is a
   /// part of the last plan. `begins` is the time in s at which the time law of `plan` begins, by
   /// the time laws of all plans so far. If the motion brakes or has already passed the knot, the
-  /// motion ends as if `append` had not been called. Only one thread may call this function, which
-  /// need not be the thread of the control loop.
+  /// motion ends as if `append` had not been called. Only one thread may call this function. This
+  /// thread need not be the thread of the control loop.
   void append(Plan plan, double begins);
   /// Returns the number of the plan on whose path the set points are: 0 for the first one, 1 for
   /// the first one that was appended. Only the thread that appends may call this function.
@@ -35,7 +35,8 @@ class Playback final : public TrajectoryGenerator {
   /// limit of jerk, the set points lag behind this time by lag(). Any thread may call this
   /// function.
   double elapsed() const { return elapsed_.load(); }
-  /// Returns the greatest time in s by which the set points lag behind the time laws.
+  /// Returns the greatest time in s by which the set points lag behind the time laws. Any thread
+  /// may call this function.
   double lag() const { return lag_; }
 
   const JointValues& start() const override { return start_; }

@@ -20,7 +20,7 @@ Frame after(const Frame& pose, const Vector3d& way, const Vector3d& turn) {
 }
 
 /// Returns the speed after the next cycle for a motion that has the speed `now`: the speed nearest
-/// to `wanted` that it can reach with at most the acceleration `acceleration`.
+/// to `wanted` that the motion can reach with at most the acceleration `acceleration`.
 Vector3d nearest_allowed(const Vector3d& now, const Vector3d& wanted, double acceleration,
                          double cycle) {
   const Vector3d change = wanted - now;

@@ -147,8 +147,9 @@ double Traversal::acceleration(double seconds) const {
 }
 
 /// Returns whether the motion can slow down in time after `seconds` with d²s/dt² = `u`. The limit
-/// of jerk lets d²s/dt² fall by at most `change` within one window of the smoothing. So the plan,
-/// slowed to the speed of the motion, must nowhere within this window require a lower d²s/dt².
+/// of jerk lets d²s/dt² fall by at most `change` within one window of the smoothing. Therefore the
+/// plan, slowed to the speed of the motion, must not require a lower d²s/dt² than that anywhere
+/// within this window.
 bool Traversal::can_slow_down(double u, double seconds, double change) const {
   const Smoothing& smoothing = plan().smoothing;
   const TimeLaw& law = plan().law;
@@ -202,8 +203,8 @@ bool Traversal::can_follow_law() const {
   return true;
 }
 
-/// Returns whether rounding may have stopped the joints just before the goal: for so short a way,
-/// d²s/dt² is too small for `greatest_admitted` to find.
+/// Returns whether rounding may have stopped the joints just before the goal: the remaining way can
+/// be so short that `greatest_admitted` does not find the very small d²s/dt² that it needs.
 bool Traversal::nearly_at_goal() const {
   constexpr double negligible = 1e-8;  // rad, or 1/s as ds/dt
   if (speed_ > negligible) return false;

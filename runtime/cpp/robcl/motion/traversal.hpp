@@ -10,7 +10,7 @@
 
 namespace robcl::motion {
 
-/// A plan, and the plan that follows it.
+/// A plan of a motion, and the stage with the plan that follows.
 struct Stage {
   Stage(Plan its_plan, double its_begin, std::size_t its_number)
       : plan(std::move(its_plan)), begins(its_begin), number(its_number) {}
@@ -23,10 +23,11 @@ struct Stage {
   double place_of_entry() const { return plan.path.place(plan.entry); }
 };
 
-/// The path parameter s of a motion. The motion follows the time laws of its plans, and leaves them
-/// when it is slowed or stopped. The motion keeps the limits of the arm. It is never faster than
-/// the plan, because at a higher speed there may be no d²s/dt² that keeps the limits. Only the
-/// control loop calls these functions; they never allocate memory, lock or log.
+/// Computes the path parameter s of a motion for each control cycle. The motion follows the time
+/// laws of its plans, and leaves them when it is slowed or stopped. The motion keeps the limits of
+/// the arm. It is never faster than the plan, because at a higher speed there may be no d²s/dt²
+/// that keeps the limits. Only the control loop calls these functions; they never allocate memory,
+/// lock or log.
 class Traversal {
  public:
   explicit Traversal(const Stage& first);
