@@ -229,7 +229,7 @@ void ArmController::begin_motion() {
   auto why = not_ready(loop_.state, loop_.refusal);
   if (!why && loop_.silent) why = DriverFault{"the driver does not answer"};
   if (!why && (generator_->start() - loop_.command).cwiseAbs().maxCoeff() > moved_away) {
-    why = DriverFault{"the joints moved after the motion was planned; request it again"};
+    why = DriverFault{"the joints moved after the motion was planned; request the motion again"};
   }
   if (why) return end_motion(Outcome{End::Fault, 0, 0, std::move(*why)});
   loop_.phase = Phase::Moving;

@@ -8,7 +8,7 @@ struct Words {
     return "the motion was interrupted; the arm has stopped";
   }
   std::string operator()(const CorrectionsStopped&) const {
-    return "no correction came for too long; the arm has stopped";
+    return "no correction came within the watchdog of 'alter'; the arm has stopped";
   }
   std::string operator()(const Refused& refused) const { return refused.reason; }
   std::string operator()(const DriverFault& fault) const { return fault.text; }

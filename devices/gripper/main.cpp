@@ -18,7 +18,7 @@ int run(int count, char** words) {
       {{"name", "GRIPPER", "name under which clients find the gripper"},
        {"world", "WORLD", "name of the simulated world that has the bodies; '' for none"},
        {"carrier", "RX90", "arm whose flange carries the gripper; '' for none"},
-       {"length", "150", "distance from the base to the point between the jaws, mm"},
+       {"length", "150", "distance from the base of the gripper to the point between its jaws, mm"},
        {"max-width", "110", "greatest distance between the jaws, mm"},
        {"max-force", "100", "greatest grip force, N"},
        {"speed", "150", "speed at which the distance between the jaws changes, mm/s"}},

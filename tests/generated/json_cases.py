@@ -52,12 +52,12 @@ REFUSED = [
     (
         "Holds",
         '{"form": {"tag": "RED"}}',
-        "form: the union member that the discriminator selects is missing: value",
+        "form: the member 'value' is missing, although the tag of the union selects one",
     ),
     (
         "Gap",
         '{"tag": 7, "value": 1}',
-        "value: with this discriminator the union has no such member",
+        "value: the tag of this union allows no member of this name",
     ),
     ("Sequences", '{"colours": ["PINK"]}', "colours[0]: unknown name PINK; the known names are R"),
     ("Masks", '{"lit": ["LEFT", "UP"], "level": "LOW"}', "lit[1]: unknown name UP; "),
@@ -80,7 +80,7 @@ BOTH_REFUSE = [
     ("Numbers", "\ufeff{}", "not JSON: "),
     ("Numbers", '{"twice": NaN}', "not JSON: NaN"),
     ("Numbers", '{"letter": "\u0100"}', "letter: one character of Latin-1 is expected"),
-    ("Words", '{"pass": "***"}', "pass: the secret was replaced by a placeholder"),
+    ("Words", '{"pass": "***"}', "pass: the text stands for a secret that was left out"),
     ("Words", '{"pass": "a\\u0000b"}', "Words.pass: "),
     ("Sequences", '{"few": [1, 2, 3, 4]}', "Sequences.few: 4 elements, at most 3 are allowed"),
     ("Sequences", '{"poses": [{"orientation": {"w": "nan"}}]}', "poses[0]: not a valid value of"),

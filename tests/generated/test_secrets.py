@@ -84,7 +84,7 @@ def test_what_is_no_secret_is_shown(types: Any) -> None:
     assert dumps(types.Key.make_pin(SECRET)) == '{"tag": 2, "value": "***"}'
     assert dumps(types.Key.make_name("ann")) == '{"tag": 1, "value": "ann"}'
     assert loads(types.Key, '{"tag": 2, "value": "1234"}') == types.Key.make_pin("1234")
-    with pytest.raises(wire.JsonError, match="value: the secret was replaced by a placeholder"):
+    with pytest.raises(wire.JsonError, match="value: the text stands for a secret"):
         loads(types.Key, '{"tag": 2, "value": "***"}')
 
 

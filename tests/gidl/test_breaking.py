@@ -229,12 +229,19 @@ STREAM += "readonly attribute Point place; };"
         (
             "depth=4",
             "depth=4, reliability=RELIABLE",
-            "QOS: 'Cart::place' is RELIABLE now: over lcm, its samples are refused as "
-            "QOS_UNAVAILABLE",
+            "QOS: 'Cart::place' is RELIABLE now: clients cannot subscribe to it over lcm any more "
+            "(QOS_UNAVAILABLE)",
         ),
         ('media="shm"', 'media="shm", reliability=RELIABLE', None),
         ('media="lcm"', 'media="shm|lcm", reliability=RELIABLE', "QOS: 'Cart::place' is RELIABLE"),
         ("reliability=BEST_EFFORT", "depth=4", None),
+        (
+            "depth=4",
+            'depth=4, media="shm"',
+            "QOS: 'Cart::place' cannot be reached over can, lcm, tcp any more",
+        ),
+        ('media="inproc|shm"', 'media="shm"', None),
+        ('media="shm"', 'media="inproc"', "QOS: 'Cart::place' cannot be reached over shm any more"),
     ],
 )
 def test_what_a_stream_promises_of_its_samples(

@@ -112,7 +112,7 @@ def test_explain_says_what_speaks_against_each_medium(lab: gecos.Lab) -> None:
     assert best.suitable and not best.members
     assert lab.create(Lamp, "LAMP")._gecos_session.medium == best.medium
     lcm = next(each for each in told.media if each.medium == "lcm")
-    assert lcm.suitable and "  lcm: used if the media above do not answer" in str(told)
+    assert lcm.suitable and "  lcm: used if no medium above it answers" in str(told)
 
     told = lab.explain(LampOverCan, "LAMP")
     assert not any(each.suitable for each in told.media)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from gidl.breaking.report import Report
 from gidl.breaking.sides import Call
 from gidl.model import Attribute, Facts, Interface, Operation
-from gidl.model.policy import Access, OnDegraded, OnLoss, Qos, Reliability, Stream
+from gidl.model.policy import MEDIA, Access, OnDegraded, OnLoss, Qos, Reliability, Stream
 
 _RELIES = "programs that rely on the old promise may fail"
 _KEEP = "keep the promise"
@@ -70,14 +70,21 @@ def _weaker(old: Qos, new: Qos) -> Iterator[str]:
     if before is not after and old.latency_ns is not None:
         yield (
             f'promised on_degraded="{before.value}" and now promises on_degraded="{after.value}", '
-            "so a connection that is too slow ends differently"
+            "so something else happens when a connection is too slow"
         )
     if old.depth is not None and (new.depth is None or new.depth < old.depth):
         yield f"kept {old.depth} samples and now keeps {new.depth or 'an undeclared number'}"
     if new.media is not None:
-        lost = sorted(set(old.media or ("inproc", "shm", "lcm", "tcp")) - set(new.media))
+        lost = sorted(_reached(old.media or MEDIA) - _reached(new.media))
         if lost:
             yield f"cannot be reached over {', '.join(lost)} any more"
+
+
+def _reached(media: Iterable[str]) -> set[str]:
+    """Returns `media`, with inproc if shm is one of them: a session over shm is one over inproc if
+    client and server are one process."""
+    allowed = set(media)
+    return allowed | {"inproc"} if "shm" in allowed else allowed
 
 
 _UNRELIABLE = "promised reliability RELIABLE and now promises BEST_EFFORT"
@@ -103,7 +110,7 @@ def _less_reliable(old: Call, new: Call) -> Iterator[str]:
         yield f"{_UNRELIABLE}: its samples may be lost over lcm"
     lcm = all(each.qos.media is None or "lcm" in each.qos.media for each in (old, new))
     if is_now and not was and lcm:
-        yield "is RELIABLE now: over lcm, its samples are refused as QOS_UNAVAILABLE"
+        yield "is RELIABLE now: clients cannot subscribe to it over lcm any more (QOS_UNAVAILABLE)"
 
 
 def duration(nanoseconds: int | None) -> str:

@@ -17,6 +17,7 @@ from gidl.model import (
     Parameter,
 )
 from gidl.model.policy import (
+    MEDIA,
     Access,
     Liveliness,
     OnDegraded,
@@ -50,7 +51,6 @@ _Choice = TypeVar("_Choice", OnNew, OnLoss)
 _Number = TypeVar("_Number", int, float)
 MAX_BASES = 64
 _DURATIONS = "ns, us, ms, s, min or h"
-MEDIA = ("inproc", "shm", "lcm", "tcp", "can")
 
 
 class InterfaceResolver(TypeResolver):

@@ -22,8 +22,8 @@ def check(model: Model, findings: Findings) -> None:
             findings.error(
                 "G0412",
                 member.facts.place_of("qos.on_degraded"),
-                f"'on_degraded' is not allowed on '{member.name}', because a connection carries "
-                "all members of the interface",
+                f"'on_degraded' is not allowed on '{member.name}', because all members of "
+                "the interface share one connection",
                 "set it in the @qos of the interface",
             )
 

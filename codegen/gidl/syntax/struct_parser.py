@@ -204,7 +204,7 @@ class StructParser(TypeParser):
                 self._findings.error(
                     "G0100",
                     self._span(self._now),
-                    "'=' is not allowed here: an annotation before the name gives the number",
+                    "'=' is not allowed here: write the number as an annotation before the name",
                     f"@value(n) {item.name.text}",
                 )
                 self._advance()

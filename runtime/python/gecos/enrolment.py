@@ -249,7 +249,7 @@ def _receive(line: socket.socket, within: float) -> dict[str, str]:
     text = b""
     while not text.endswith(b"\n") and len(text) < _LONGEST_MESSAGE:
         if (left := end - time.monotonic()) <= 0:
-            raise TimeoutError(f"no whole message came within {within:g} s")
+            raise TimeoutError(f"no complete message arrived within {within:g} s")
         line.settimeout(left)
         part = line.recv(_LONGEST_MESSAGE - len(text))
         if not part:

@@ -72,7 +72,7 @@ class Explanation:
         simulated = ", simulated" if self.simulated else ""
         lines = [f"{self.name} ({self.interface_name}{simulated}) on {self.hostname}"]
         for i, each in enumerate(self.media):
-            chosen = "chosen" if i == 0 else "used if the media above do not answer"
+            chosen = "chosen" if i == 0 else "used if no medium above it answers"
             lines.append(f"  {each.medium}: {each.reason or chosen}")
             for member in each.members:
                 lines.append(f"    not {member.what}: {member.reason}")

@@ -393,7 +393,7 @@ TEST_F(TakeOverTest, HoldsOffTheOthersAndTellsThemWho) {
   EXPECT_EQ(denied.error().reason, Denial::Reason::HeldOff);
   EXPECT_EQ(denied.error().text,
             "is held off: bob on lab2 (watch, pid 4712) took over 0.1 s ago; wait until it gives "
-            "back");
+            "sole command back");
   EXPECT_TRUE(table.may_queue(kAda, table.epoch(), Status::Sensor, now)) << "reading goes on";
 }
 
@@ -403,7 +403,7 @@ TEST_F(TakeOverTest, FencesWhatWasIssuedBeforeEvenWhenItArrivesAfterTheEnd) {
   EXPECT_EQ(denied.error().reason, Denial::Reason::Preempted);
   EXPECT_EQ(denied.error().text,
             "was issued before bob on lab2 (watch, pid 4712) took over, 0.1 s ago; wait until it "
-            "gives back");
+            "gives sole command back");
   table.give_back(kBob);
   denied = table.may_queue(kAda, epoch, Status::Actor, now);
   ASSERT_FALSE(denied);
@@ -422,9 +422,10 @@ TEST_F(TakeOverTest, KeepsWhatTheTakerIssuedBefore) {
 TEST_F(TakeOverTest, ByASecondHolderIsRefusedWithTheNameOfTheTaker) {
   const auto refused = table.take_over(kAda, now);
   ASSERT_FALSE(refused);
-  EXPECT_TRUE(refused.error().text.starts_with(
-      "take-over refused: bob on lab2 (watch, pid 4712) has taken over; wait until it gives back, "
-      "or stop the object; actor status is held by "))
+  EXPECT_TRUE(
+      refused.error().text.starts_with("take-over refused: bob on lab2 (watch, pid 4712) has taken "
+                                       "over; wait until it gives sole command back, "
+                                       "or stop the object; actor status is held by "))
       << refused.error().text;
   EXPECT_NE(refused.error().text.find("; the program of bob took over 0.1 s ago; "),
             std::string::npos);

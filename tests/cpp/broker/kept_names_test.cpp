@@ -96,6 +96,14 @@ TEST_F(Kept, AFileThatIsNotOneOfABrokerIsLeftOut) {
   EXPECT_EQ(living().size(), 1u) << "and is replaced";
 }
 
+TEST_F(Kept, NamesOfTheBrokerBeforeAreForgottenWhenNoObjectIsLeft) {
+  Child child;
+  keep({of_process("RX90", child.pid())});
+  EXPECT_EQ(living().size(), 1u);
+  KeptNames(path_).keep({}, Processes());
+  EXPECT_TRUE(living().empty());
+}
+
 TEST_F(Kept, AFileThatCannotBeWrittenIsReportedOnceAndTriedAgain) {
   Child child;
   Processes processes;

@@ -42,7 +42,7 @@ TEST_F(LabFileSetting, ThatIsNotAFileOfThisUserAloneIsRefused) {
                 "run: chmod go-w " +
                 path);
   EXPECT_EQ(refusal(directory.path()),
-            "LOCAL is not served: " + directory.path() + ": this is not a file");
+            "LOCAL is not served: " + directory.path() + ": this is not a regular file");
 }
 
 TEST_F(LabFileSetting, WithAnErrorIsRefusedWithItsLine) {

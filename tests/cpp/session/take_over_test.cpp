@@ -90,8 +90,9 @@ TEST_P(TakeOvers, AreForOneAtATimeAndForHoldersOnly) {
   ASSERT_TRUE(gecos::take_over(guard).get());
   ASSERT_TRUE(gecos::take_over(guard).get()) << "a second one changes nothing";
   const std::string second = refusal(gecos::take_over(mover));
-  EXPECT_NE(second.find("has taken over; wait until it gives back, or stop the object"),
-            std::string::npos)
+  EXPECT_NE(
+      second.find("has taken over; wait until it gives sole command back, or stop the object"),
+      std::string::npos)
       << second;
   gecos::Lab third_lab(probe::patient());
   const std::string stranger = refusal(gecos::take_over(connect(third_lab)));

@@ -219,7 +219,7 @@ tl::expected<void, LeaseRefusal> LeaseTable::take_over(SessionId session, TimePo
     return tl::unexpected(
         refuse(Reason::HeldByOther,
                "take-over refused: " + name_of(members_.at(taker_).holder.client) +
-                   " has taken over; wait until it gives back, or stop the object",
+                   " has taken over; wait until it gives sole command back, or stop the object",
                now));
   }
   taker_ = session;
@@ -270,7 +270,7 @@ Denial LeaseTable::ended(const Member* member, SessionId session, Epoch epoch, S
     const bool held_off = taker_ != SessionId{} && taker_ != session;
     return {Reason::Preempted, "was issued before " + member->preempted_by + " took over, " +
                                    seconds(now - member->preempted_at) + " ago" +
-                                   (held_off ? "; wait until it gives back"
+                                   (held_off ? "; wait until it gives sole command back"
                                              : "; check where the device is, and command again")};
   }
   Denial denial{Reason::LeaseEnded, "was issued under a status that has ended"};
@@ -301,10 +301,10 @@ tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId
   if (member != nullptr && member->holder.status >= needed && epoch != Epoch{}) {
     if (taker_ == SessionId{} || taker_ == session) return {};
     const Holder& taker = members_.at(taker_).holder;
-    return tl::unexpected(Denial{Reason::HeldOff, "is held off: " + name_of(taker.client) +
-                                                      " took over " +
-                                                      seconds(now - taker.taken_over_since) +
-                                                      " ago; wait until it gives back"});
+    return tl::unexpected(
+        Denial{Reason::HeldOff, "is held off: " + name_of(taker.client) + " took over " +
+                                    seconds(now - taker.taken_over_since) +
+                                    " ago; wait until it gives sole command back"});
   }
   Denial denial{Reason::NeedsStatus, needs(needed)};
   for (const Holder& other : roster()) {

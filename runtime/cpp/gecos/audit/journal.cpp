@@ -28,7 +28,7 @@ void make_folders(const std::string& path) {
 std::string distrust(int file) {
   struct stat found {};
   if (::fstat(file, &found) != 0) return system_text(errno);
-  if (!S_ISREG(found.st_mode)) return "this is not a file";
+  if (!S_ISREG(found.st_mode)) return "this is not a regular file";
   if (found.st_uid != ::geteuid()) return "the file belongs to another user";
   return "";
 }

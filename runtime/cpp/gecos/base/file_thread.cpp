@@ -78,7 +78,9 @@ FileThread::~FileThread() {
     thread_.join();
     return;
   }
-  log_warning("session", "a file system does not answer; the reading of a file is abandoned");
+  log_warning("session",
+              "a file system does not answer; this program no longer waits for the file that it "
+              "was reading");
   thread_.detach();
 }
 

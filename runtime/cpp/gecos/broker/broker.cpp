@@ -113,7 +113,7 @@ Duration Broker::end_due_sessions(TimePoint now) {
 
 void Broker::end_session(std::uint64_t session, TimePoint heard) {
   for (const auto& name : directory_.end_session(session, heard))
-    log_info("broker", name + " left the list: its server is silent");
+    log_info("broker", name + " left the list of objects, because its server is silent");
 }
 
 void Broker::remove_ended() {
@@ -223,7 +223,8 @@ Result<std::optional<double>> Broker::enlist(const Entry& told, double served_fo
   } else if (*before != what) {
     log_warning("broker", what.name + " moves from pid " + std::to_string(before->pid) + " on " +
                               before->hostname + " to pid " + std::to_string(what.pid) + " on " +
-                              what.hostname + ": the latter has served the name for longer");
+                              what.hostname +
+                              ": the server with the latter pid has served this name for longer");
   }
   if (*provisional == Duration::zero()) return std::nullopt;
   return to_seconds(*provisional);

@@ -61,7 +61,7 @@ std::vector<Entry> KeptNames::living(Processes& processes) const {
 }
 
 void KeptNames::keep(const std::vector<Entry>& entries, const Processes& processes) {
-  if (entries == kept_) return;
+  if (kept_ == entries) return;
   KeptList list;
   for (const Entry& entry : entries) list.objects.push_back({entry, processes.start_of(entry.pid)});
   const int failed = replace(path_, wire::to_bytes(list));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ class KeptNames {
 
  private:
   const std::string path_;
-  std::vector<Entry> kept_;
+  std::optional<std::vector<Entry>> kept_;  ///< what this broker wrote last
   std::string reported_;  ///< the last logged reason for which the file could not be written
 };
 

@@ -28,7 +28,7 @@ tl::expected<std::string, std::string> text_of(const std::string& path) {
   if (!file || ::fstat(file.get(), &about) != 0) {
     return failed("the file cannot be read: " + system_text(errno));
   }
-  if (!S_ISREG(about.st_mode)) return failed("this is not a file");
+  if (!S_ISREG(about.st_mode)) return failed("this is not a regular file");
   if (about.st_uid != ::geteuid() || (about.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
     return failed("other users may write to the file; become its owner, and run: chmod 600 " +
                   path);

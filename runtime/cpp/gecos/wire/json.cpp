@@ -301,10 +301,10 @@ bool JsonReader::expect_arm(bool selected) const {
   for (const auto& [name, value] : data_->items()) {
     if (name == "tag" || (selected && name == "value")) continue;
     return JsonReader(value, *this, name, no_item)
-        .fail("with this discriminator the union has no such member");
+        .fail("the tag of this union allows no member of this name");
   }
   return !selected || data_->contains("value") ||
-         fail("the union member that the discriminator selects is missing: value");
+         fail("the member 'value' is missing, although the tag of the union selects one");
 }
 
 std::optional<JsonReader> JsonReader::find(std::string_view name) const {
@@ -325,7 +325,9 @@ bool JsonReader::hidden_member(std::string_view name, void* value, const JsonKin
 
 bool JsonReader::is_shown() const {
   return !(data_->is_string() && text_of(*data_) == hidden) ||
-         fail("the secret was replaced by a placeholder; write the secret or omit the member");
+         fail(
+             "the text stands for a secret that was left out; write the secret itself, or omit the "
+             "member");
 }
 
 // ---------------------------------------------------------------------------------------------

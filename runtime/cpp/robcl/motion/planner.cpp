@@ -57,7 +57,7 @@ Plan Planner::plan(const Move& move) const {
   auto plan = fastest_plan(move.path, model_, std::move(limits), smoothing_);
   if (!plan) {
     throw std::runtime_error(
-        "the limits of the joints and of the tool make the arm stop before the "
+        "the limits of the joints and of the tool are so low that the arm would stop before the "
         "goal");
   }
   return *std::move(plan);

@@ -322,7 +322,7 @@ def text_of(path: Path) -> str:
     try:
         found = path.stat()
         if not stat.S_ISREG(found.st_mode):
-            raise UsageFailure(f"{path}: this is not a file")
+            raise UsageFailure(f"{path}: this is not a regular file")
         if found.st_size > _LARGEST_FILE:
             raise UsageFailure(f"{path}: the file is larger than 64 KiB")
         if found.st_mode & stat.S_IWOTH:

@@ -119,12 +119,15 @@ def _behind(lab: Lab, name: str, gone: list[Admitted]) -> list[str] | None:
 
 def _why_behind(one: Presence, behind: list[str]) -> str | None:
     """Returns why a server does not know of the revocation yet, or None if it does."""
-    if one.silent_since is None and one.entry.name not in behind:
-        return None
-    return (
-        f"its server runs as {one.entry.user}@{one.entry.hostname}, and the broker does not hear "
-        "that server; the server applies the revocation when it reaches the broker again"
-    )
+    runs_as = f"its server runs as {one.entry.user}@{one.entry.hostname}, and "
+    if one.silent_since is not None:
+        return (
+            f"{runs_as}the broker does not hear that server; the server applies the revocation "
+            "when it reaches the broker again"
+        )
+    if one.entry.name in behind:
+        return f"{runs_as}has not applied the revocation within {_APPLIED_WITHIN:g} s"
+    return None
 
 
 def _why_missed(one: Presence, name: str) -> str | None:

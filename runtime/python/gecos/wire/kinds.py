@@ -436,7 +436,8 @@ class Secret(Kind):
         if data == HIDDEN:
             raise JsonError(
                 path,
-                "the secret was replaced by a placeholder; write the secret or omit the member",
+                "the text stands for a secret that was left out; write the secret itself, or omit "
+                "the member",
             )
         try:
             return self.inner.made(data, path)

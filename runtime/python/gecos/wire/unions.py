@@ -168,13 +168,13 @@ class UnionLayout:
             if name != "tag" and not (arm and name == "value"):
                 raise JsonError(
                     below(path, name),
-                    "with this discriminator the union has no such member",
+                    "the tag of this union allows no member of this name",
                 )
         if not arm:
             return self.kind(tag)
         if "value" not in data:
             raise JsonError(
-                path, "the union member that the discriminator selects is missing: value"
+                path, "the member 'value' is missing, although the tag of the union selects one"
             )
         return self.kind(tag, self.arms[arm - 1].kind.made(data["value"], below(path, "value")))
 

@@ -106,7 +106,8 @@ std::string HandshakeInitiator::trouble() const {
     const MutexLock lock(mutex_);
     if (open_) return queue_->heard() ? "" : "the server accepted us, but has sent no packet since";
     if (!handshake_ && not_admitted_)
-      return "we refused the server that answered: " + not_admitted_->why;
+      return "this program does not admit the key of the server that answered: " +
+             not_admitted_->why;
   }
   return "no server answers, or the server does not admit our key " +
          keys_->own.public_key().short_name() + "; if the key is the problem, give a copy of " +

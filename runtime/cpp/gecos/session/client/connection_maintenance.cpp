@@ -56,10 +56,10 @@ void ConnectionMaintenance::judge_answers() {
       char seconds[32];
       std::snprintf(seconds, sizeof seconds, "%.1f s",
                     std::chrono::duration<double>(session_.server.mute_for()).count());
-      return session_.end.lose(Ending::Silent,
-                               "the server of " + who() +
-                                   " gives signs of life but has answered nothing for " + seconds +
-                                   "; restart the server if it hangs");
+      return session_.end.lose(
+          Ending::Silent, "the server of " + who() +
+                              " still sends heartbeats, but has answered no call for " + seconds +
+                              "; restart the server if it hangs");
   }
 }
 

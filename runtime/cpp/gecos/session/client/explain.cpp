@@ -22,7 +22,7 @@ std::ostream& operator<<(std::ostream& out, const Explanation& explanation) {
   for (const MediumVerdict& each : explanation.media) {
     out << "\n  " << each.medium << ": ";
     if (each.suitable()) {
-      out << (chosen ? "used if the media above do not answer" : "chosen");
+      out << (chosen ? "used if no medium above it answers" : "chosen");
       chosen = true;
     }
     out << each.unreachable << to_string(each.violations);

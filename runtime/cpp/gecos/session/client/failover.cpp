@@ -240,7 +240,7 @@ std::vector<PendingFailover> Failover::send_to(ClientConnection& found,
     const auto& again = *pending.command->again;
     if (pending.command->terminal()) continue;
     if (again.sessions >= most_sessions) {
-      end_as(pending, "the command is not sent again: it was already sent in " +
+      end_as(pending, "the command is not sent again: it was sent in " +
                           std::to_string(again.sessions) + " sessions that were lost");
     } else if (late(pending, clock_)) {
       end_late(pending);

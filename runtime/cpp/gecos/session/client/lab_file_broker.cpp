@@ -74,7 +74,7 @@ tl::expected<access::LabBroker, std::string> LabFileBroker::read(TimePoint deadl
     if (text) break;
     if (began + pause_between_readings >= deadline) {
       thread_.reset();
-      return unusable(shared_->path + ": the file is being written all the time");
+      return unusable(shared_->path + ": another program keeps writing to the file");
     }
     std::this_thread::sleep_for(pause_between_readings);
   }

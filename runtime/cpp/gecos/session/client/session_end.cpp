@@ -77,8 +77,9 @@ void SessionEnd::on_loss(media::Loss loss) {
     case media::Loss::Died:
       return lose(Ending::Died, "the server of " + who + " died");
     case media::Loss::Broken:
-      return lose(Ending::Broken, "the server of " + who +
-                                      " broke the rules of its medium: " + connection_.loss_text());
+      return lose(Ending::Broken,
+                  "the server of " + who +
+                      " violated the protocol of its medium: " + connection_.loss_text());
     default:
       return lose(Ending::Closed, "the server closed the session with " + who);
   }

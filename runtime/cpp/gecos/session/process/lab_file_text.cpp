@@ -32,7 +32,7 @@ constexpr Duration settled_empty_file = std::chrono::seconds(1);
 /// Returns why no program may use a file with these attributes; an empty text when programs may use
 /// the file.
 std::string distrust(const struct stat& file, const std::string& path) {
-  if (!S_ISREG(file.st_mode)) return "this is not a file";
+  if (!S_ISREG(file.st_mode)) return "this is not a regular file";
   if (file.st_uid != 0 && file.st_uid != ::geteuid()) {
     return "the file belongs to " + user_name(file.st_uid) +
            ", who could admit anyone and name any broker; run: chown " + user_name(::geteuid()) +

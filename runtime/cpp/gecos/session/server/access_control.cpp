@@ -64,7 +64,7 @@ tl::expected<void, std::string> AccessControl::read() {
     }
     std::this_thread::sleep_for(between_reads);
   } while (system_clock().now() < until);
-  return tl::unexpected(file_.path() + ": the file is being written all the time; try again");
+  return tl::unexpected(file_.path() + ": another program keeps writing to the file; try again");
 }
 
 std::string AccessControl::zone_of(const std::string& object) {
@@ -110,7 +110,11 @@ bool AccessControl::administers(const media::Peer& peer) noexcept {
     const MutexLock lock(mutex_);
     return policy().administers(server, who);
   } catch (const std::exception& failed) {
-    log_error("session", std::string("nobody is an administrator: ") + failed.what());
+    log_error(
+        "session",
+        std::string(
+            "this client does not count as an administrator, because its user is not known: ") +
+            failed.what());
     return false;
   }
 }

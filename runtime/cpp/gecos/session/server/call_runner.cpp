@@ -80,7 +80,8 @@ void CallRunner::not_begun(ServerCall& call) {
   if (!call.state.ended()) {
     object_.calls.end(call, Failure{Detail::Rejected,
                                     "the call was not started: no thread could be created for its "
-                                    "handler, see `ulimit -u` of the server",
+                                    "handler; raise the limit that `ulimit -u` shows for the user "
+                                    "of the server",
                                     {},
                                     {}});
   }

@@ -150,8 +150,8 @@ def _record(
         recording, ended_by = record(robot, patience, seconds, _tell)
     if len(recording) < _FEWEST:
         raise ended_by or RuntimeError(
-            f"{name} has sent no samples while it moved; `gecos hz {name} tool` shows how many it "
-            "sends"
+            f"{name} has sent fewer than {_FEWEST} samples while it moved; `gecos hz {name} tool` "
+            "shows how many it sends"
         )
     return trimmed(recording, seconds), ended_by
 
