@@ -35,6 +35,7 @@ class TestConnection final : public media::Connection {
     return sent.size();
   }
   std::optional<ByteView> receive() override { return std::nullopt; }
+  Duration age() override { return unread_for; }
   std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
   bool prepare_to_sleep() override { return true; }
   void woke() override {}
@@ -56,6 +57,7 @@ class TestConnection final : public media::Connection {
   bool full = false;
   bool silent = false;  ///< no more signs of life come
   bool unread = false;  ///< a packet that arrived before them all
+  Duration unread_for{};
   std::vector<Bytes> sent;
   std::function<void()> on_send;
   /// Guards `sent` where a thread of the object sends; held during `on_send`.

@@ -80,6 +80,24 @@ TEST_F(ServedObjects, BeginNothingAfterAPauseBeforeWhatCameAheadOfTheHeartbeatIs
   EXPECT_TRUE(servant_.kept.at(1).begin());
 }
 
+TEST_F(ServedObjects, RefuseWhatLayUnreadForTooLongAlsoIfThePauseIsNotJudgedYet) {
+  session_->intake.accept_within(std::chrono::milliseconds(750));
+  PauseWatch& pauses = runtime_->maintenance().pauses();
+  connection_->unread_for = std::chrono::seconds(1);
+  call(1, probe::read_code);
+  EXPECT_EQ(reply_to(1), Detail::Done) << "without a pause, it waited for a handler";
+  pauses.judged(clock_.since_boot());
+  clock_.suspend(std::chrono::seconds(2));
+  call(2, probe::read_code);
+  EXPECT_EQ(reply_to(2), Detail::NotStarted);
+  connection_->unread_for = std::chrono::milliseconds(700);
+  call(3, probe::read_code);
+  EXPECT_EQ(reply_to(3), std::nullopt) << "it waits until the pause is judged";
+  pauses.judged(TimePoint::max());
+  object_->run_ready(Starter::Poller);
+  EXPECT_EQ(reply_to(3), Detail::Done);
+}
+
 TEST_F(ServedObjects, LetNoSampleOfAClientActAfterAPauseBeforeTheClientIsHeard) {
   EXPECT_FALSE(session_->standing->unheard());
   object_->await_sign_of_life(*session_);

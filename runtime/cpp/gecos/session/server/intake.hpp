@@ -33,8 +33,9 @@ class Intake {
   /// A packet that contains a call.
   struct Arrival {
     std::uint64_t counter = 0;
-    Duration age{};          ///< time since the client sent the packet
-    bool unheard = false;    ///< the client sent no heartbeat since this process was suspended
+    Duration age{};  ///< time since the client sent the packet
+    /// The client has sent no heartbeat since this process was suspended. Only needed if too_old().
+    bool unheard = false;
     bool needs_all = false;  ///< the call may be accepted only after all earlier calls have arrived
   };
   enum class Verdict : std::uint8_t {
@@ -44,11 +45,8 @@ class Intake {
     TooLate,  ///< the call was unread for too long: do not start it, and notify the client
   };
   Verdict arrived(const Arrival& packet);
-  /// Returns whether `arrived` checks the age of a packet. If not, `arrived` does not use
-  /// `Arrival::age`.
-  bool judges_age(bool unheard) const {
-    return (repeats_ || unheard) && accept_within_ > Duration{};
-  }
+  /// Returns whether a packet of the age `age` was unread for too long, if the age counts.
+  bool too_old(Duration age) const { return accept_within_ > Duration{} && age > accept_within_; }
   /// Notes that the client has given up those calls up to `counter` that have not arrived. Later
   /// calls no longer wait for these calls. Returns true when `next` may return calls.
   bool abandon_up_to(std::uint64_t counter);

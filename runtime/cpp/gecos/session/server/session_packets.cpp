@@ -259,12 +259,10 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
   // Commands that were issued before a `release` still run, so a `release` is accepted only after
   // all earlier calls have arrived.
   const bool release = packet.header.code == GecosObjectInterface::release.code;
-  const bool unheard = session->heartbeats.awaited;
-  const bool judged = session->intake.judges_age(unheard);
-  switch (session->intake.arrived({.counter = counter,
-                                   .age = judged ? session->connection().age() : Duration{},
-                                   .unheard = unheard,
-                                   .needs_all = release})) {
+  const Duration age = session->connection().age();
+  const bool unheard = session->intake.too_old(age) && unheard_since_a_pause(*session);
+  switch (session->intake.arrived(
+      {.counter = counter, .age = age, .unheard = unheard, .needs_all = release})) {
     case Intake::Verdict::Take:
       break;
     case Intake::Verdict::Seen:
@@ -276,7 +274,7 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
   }
   wire::PacketView aged = packet;
   if (Duration& left = aged.header.deadline; left > Duration{}) {
-    left = std::max(left - session->connection().age(), Duration{1});
+    left = std::max(left - age, Duration{1});
   }
   take_call(session, aged);
   take_early(session);
