@@ -68,7 +68,7 @@ def test_a_key_whose_owner_is_damaged_is_not_admitted(
     (folder / f"{KEY}.owner").write_text("anna\n")
     code, _, err = run("keys")
     assert code == 1
-    assert "does not say whose key it is" in err
+    assert "does not name the owner of the key" in err
 
 
 def test_revoke_takes_all_keys_of_a_user_and_names_the_servers_that_act(

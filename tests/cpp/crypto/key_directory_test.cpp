@@ -341,7 +341,7 @@ TEST_F(KeyOwnerTest, AKeyWhoseOwnerCannotBeReadIsNotAdmitted) {
     write(file(), damaged);
     const auto admitted = open().admission(key);
     ASSERT_FALSE(admitted) << damaged;
-    EXPECT_NE(admitted.error().text.find("does not say whose key it is"), std::string::npos);
+    EXPECT_NE(admitted.error().text.find("does not name the owner of the key"), std::string::npos);
     EXPECT_FALSE(admitted.error().passing);
   }
   write(file(), "anna@" + std::string(KeyOwner::longest, 'd'));

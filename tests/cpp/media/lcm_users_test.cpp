@@ -115,7 +115,8 @@ TEST_F(LcmUsers, WhoMeetsNobodyIsToldHowFarItsPacketsGo) {
 TEST_F(LcmUsers, AnImpostorAtAWellKnownPlaceIsRefused) {
   const auto impostor = ada_->listen("BROKER", true).value();
   auto client = std::move(*bob_->connect(bob_->well_known_address("BROKER")));
-  const std::string text = trouble(*impostor, *client, "we refused the server that answered");
+  const std::string text =
+      trouble(*impostor, *client, "does not admit the key of the server that answered");
   EXPECT_NE(text.find("is not admitted here"), std::string::npos) << text;
 }
 

@@ -72,7 +72,8 @@ TEST_P(MuteServer, KeepsNobodyWaitingForAStatus) {
   const auto lease = gecos::actor(probe_);
   ASSERT_FALSE(lease);
   EXPECT_EQ(lease.error().failure.detail, Detail::OutcomeUnknown);
-  EXPECT_NE(lease.error().failure.text.find("signs of life"), std::string::npos) << lease.error();
+  EXPECT_NE(lease.error().failure.text.find("still sends heartbeats"), std::string::npos)
+      << lease.error();
   probe_ = probe::Probe();
   EXPECT_TRUE(settles([this] { return gecos::holders(connect(second_lab_)).get()->empty(); }))
       << "what it granted ends with the session that did not hear of it";
