@@ -176,7 +176,7 @@ def test_a_secret_is_sent_and_never_shown() -> None:
     with pytest.raises(EncodeError) as caught:
         issued("workshop::Changer", "turn", 1.0, "hunter2\0")
     assert "hunter2" not in str(caught.value)
-    with pytest.raises(EncodeError, match="placeholder"):
+    with pytest.raises(EncodeError, match="stands for a secret"):
         issued("workshop::Changer", "turn", 1.0, "***")
     table, _ = issued("bounded::Robot", "both")
     reply = b"\0" * 8 + b"\0\0\0\0" + b"\0\0\0\2q\0"

@@ -50,5 +50,5 @@ def test_lists_of_names_and_patterns_are_no_texts(tmp_path: Path) -> None:
 
 
 def test_generated_code_is_no_prose() -> None:
-    assert reading_test.is_prose("the lease was lost meanwhile")
+    assert reading_test.is_prose("the lease of this client was lost meanwhile")
     assert not reading_test.is_prose("const gecos::wire::DepthGuard guard(from);")
