@@ -86,7 +86,7 @@ bench:  ## speeds, shown and never asserted
 .PHONY: bench-peers
 bench-peers:  ## ours beside omniORB, Ice, Cap'n Proto, iceoryx, iceoryx2 and LCM, in one run
 	@tools/setup.sh build
-	@$(CONFIGURE)
+	@$(CONFIGURE) $(GROUPED)
 	@cmake --build $(BUILD) -j$(JOBS) --target runtime/python/all
 	@BUILD_TYPE=$(BUILD_TYPE) JOBS=$(JOBS) tools/build_release.sh build-release gecos_peer limits_peer
 	@benchmarks/peers/setup.sh build-release

@@ -95,7 +95,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             "compiler",
             (
                 *("nice", "-n", "19", python, "-m", "pytest", f"-n{jobs}", "--dist=worksteal"),
-                *("--timeout=1200", *compiling),
+                *("--timeout=1200", "--durations=12", *compiling),
             ),
             pytest_sum,
             beside=True,
