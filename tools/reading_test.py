@@ -59,9 +59,13 @@ def says_something(line: str) -> bool:
 
 
 def is_prose(text: str) -> bool:
-    """Whether `text` is a sentence, and not a line of generated code."""
-    is_code = text.rstrip().endswith((";", "{", "}"))
-    return len(WORD.findall(text)) >= 4 and " " in text.strip() and not is_code
+    """Returns whether `text` has the words of a sentence."""
+    return len(WORD.findall(text)) >= 4 and " " in text.strip()
+
+
+def is_code(text: str) -> bool:
+    """Returns whether a string in the source is a line of generated code, which no user reads."""
+    return text.rstrip().endswith((";", "{", "}"))
 
 
 def of_cpp(path: Path) -> Iterator[tuple[str, int, str]]:
@@ -135,7 +139,7 @@ def drawn(seed: int) -> dict[str, list[Found]]:
     for path in sources():
         parts = of_python(path) if path.suffix == ".py" else of_cpp(path)
         for kind, number, text in parts:
-            if kind == "line" or is_prose(text):
+            if kind == "line" or (is_prose(text) and not (kind == "text" and is_code(text))):
                 found[kind].append(Found(f"{path.relative_to(TREE)}:{number}", text))
     choice = random.Random(seed)
     return {

@@ -184,8 +184,9 @@ bool ArmMotion::is_to_plan(const Link& link) const {
   return *std::ranges::find(links_, Part::Waiting, &Link::part) == &link;
 }
 
-/// Watches the motion for 5 ms, and longer while another thread holds the mutex. Stops the arm if
-/// the first move is interrupted, ends the moves that are complete, and reports the progress.
+/// Watches the motion for at most 5 ms, and longer while another thread holds the mutex. Stops the
+/// arm if a move of the motion is interrupted, ends the moves that are complete, and reports the
+/// progress.
 void ArmMotion::watch(Lock&) {
   std::optional<ArmController::Outcome> ended;
   OutcomeWatch& outcome = *outcome_;

@@ -25,8 +25,8 @@ class CycleTimer {
     gecos::TimePoint begins;
     double seconds = 0;  ///< simulated time since the last cycle
   };
-  /// Returns the begin of the next cycle and the simulated time that the cycle covers. Does not
-  /// wait. Must be called once for each cycle.
+  /// Returns when the next cycle begins, and the simulated time that it covers. Does not wait.
+  /// Must be called once for each cycle.
   Cycle next(gecos::TimePoint now);
 
   /// Returns how many simulated seconds passed in a second of real time, as the mean over the last

@@ -238,8 +238,9 @@ STREAM += "readonly attribute Point place; };"
         (
             "depth=4",
             'depth=4, media="shm"',
-            "QOS: 'Cart::place' cannot be reached over can, lcm, tcp any more",
+            "QOS: 'Cart::place' cannot be reached over lcm any more",
         ),
+        ("depth=4", 'depth=4, media="inproc|shm|lcm"', None),
         ('media="inproc|shm"', 'media="shm"', None),
         ('media="shm"', 'media="inproc"', "QOS: 'Cart::place' cannot be reached over shm any more"),
     ],

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
+import os
 import socket
 from concurrent.futures import ThreadPoolExecutor
 from hashlib import sha256
@@ -153,6 +155,38 @@ def test_a_revocation_that_was_killed_half_way_is_completed_by_the_next_one(
     assert [one.key for one in key_folder.revoke(name)] == [KEY]
     assert [one.key for one in key_folder.revoked() if one.key] == [KEY]
     assert key_folder.admitted() == []
+
+
+def test_an_admission_and_a_revocation_never_run_at_the_same_time(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Otherwise an admission could end a revocation that came after it."""
+    put, unlink, locked = key_folder._put, key_folder._unlink, []
+
+    def note_lock() -> None:
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            locked.append(True)
+        else:
+            locked.append(False)
+        finally:
+            os.close(descriptor)
+
+    def put_noting(place: Path, text: bytes) -> None:
+        note_lock()
+        put(place, text)
+
+    def unlink_noting(one: key_folder.Admitted) -> None:
+        note_lock()
+        unlink(one)
+
+    monkeypatch.setattr(key_folder, "_put", put_noting)
+    monkeypatch.setattr(key_folder, "_unlink", unlink_noting)
+    key_folder.add(Path(received(tmp_path, KEY)), "anna@desk")
+    key_folder.revoke("anna@desk")
+    assert locked == [True] * 4, "the owner, the key, the list, and the removal of the key"
 
 
 def test_revocations_at_the_same_time_lose_no_line(folder: Path, tmp_path: Path) -> None:

@@ -49,6 +49,6 @@ def test_lists_of_names_and_patterns_are_no_texts(tmp_path: Path) -> None:
     assert texts == ["the lease was lost meanwhile"]
 
 
-def test_generated_code_is_no_prose() -> None:
-    assert reading_test.is_prose("the lease of this client was lost meanwhile")
-    assert not reading_test.is_prose("const gecos::wire::DepthGuard guard(from);")
+def test_a_line_of_generated_code_is_told_from_a_sentence() -> None:
+    assert not reading_test.is_code("the lease of this client was lost meanwhile")
+    assert reading_test.is_code("const gecos::wire::DepthGuard guard(from);")

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Iterator
 from gidl.breaking.report import Report
 from gidl.breaking.sides import Call
 from gidl.model import Attribute, Facts, Interface, Operation
-from gidl.model.policy import MEDIA, Access, OnDegraded, OnLoss, Qos, Reliability, Stream
+from gidl.model.policy import Access, OnDegraded, OnLoss, Qos, Reliability, Stream
 
 _RELIES = "programs that rely on the old promise may fail"
 _KEEP = "keep the promise"
+_AVAILABLE = ("inproc", "shm", "lcm")  # the media of this version; an interface may name others
 _ASK = "keep the old declaration, or ask the person responsible for the laboratory's safety"
 
 
@@ -75,7 +76,7 @@ def _weaker(old: Qos, new: Qos) -> Iterator[str]:
     if old.depth is not None and (new.depth is None or new.depth < old.depth):
         yield f"kept {old.depth} samples and now keeps {new.depth or 'an undeclared number'}"
     if new.media is not None:
-        lost = sorted(_reached(old.media or MEDIA) - _reached(new.media))
+        lost = sorted(_reached(old.media or _AVAILABLE) - _reached(new.media))
         if lost:
             yield f"cannot be reached over {', '.join(lost)} any more"
 

@@ -251,7 +251,7 @@ def may_register(text: str, file: str, who: tuple[str, str], name: str) -> tuple
     sentence. Raises ValueError as may_connect does."""
 
 def forbids_open_streams(text: str, file: str) -> str:
-    """Returns the place at which the text of a lab file forbids to send the samples of open streams
+    """Returns the place at which the text of a lab file forbids sending the samples of open streams
     in clear, as "[streams] in lab.toml:3"; "" if the text does not forbid this. Raises ValueError
     as may_connect does."""
 

@@ -145,10 +145,12 @@ def add(file: Path, owner: str | None = None) -> str:
                 "no list would limit this key; name the owner as USER@HOST, with the host on which "
                 "the owner uses the key"
             )
+    with _alone():
         # The owner is written before the key, because no list limits a key without an owner.
-        _put(_owner_file(key), f"{owner}\n".encode())
-    _put(file_of(key), text)
-    _pardon(key, owner or owner_of(key) or "")
+        if owner is not None:
+            _put(_owner_file(key), f"{owner}\n".encode())
+        _put(file_of(key), text)
+        _pardon(key, owner or owner_of(key) or "")
     return key
 
 
@@ -224,7 +226,7 @@ def _named(name: str) -> Admitted:
 
 
 def _unlink(one: Admitted) -> None:
-    one.file.unlink()
+    one.file.unlink(missing_ok=True)
     if one.key:
         _owner_file(one.key).unlink(missing_ok=True)
 
@@ -263,25 +265,23 @@ def _pardon(key: str, owner: str) -> None:
     """Removes the lines from the file `revoked` that revoke `key`, the owner `owner`, or the user
     of `owner` on all hosts."""
     owners = {owner, owner.partition("@")[0]} if owner else set()
-    with _alone():
-        before = revoked()
-        after = [
-            one for one in before if one.key != key and not (one.key == "" and one.owner in owners)
-        ]
-        if after != before:
-            _write_revoked(after)
+    before = revoked()
+    after = [
+        one for one in before if one.key != key and not (one.key == "" and one.owner in owners)
+    ]
+    if after != before:
+        _write_revoked(after)
 
 
 def _note_revoked(news: list[Revoked]) -> None:
-    with _alone():
-        before = revoked()
-        _write_revoked([*(one for one in before if one not in news), *news])
+    before = revoked()
+    _write_revoked([*(one for one in before if one not in news), *news])
 
 
 @contextmanager
 def _alone() -> Iterator[None]:
-    """Waits until no other program changes the file `revoked`, and keeps other programs from
-    changing it."""
+    """Waits until no other program adds or revokes a key, and keeps other programs from doing so.
+    Otherwise an admission could end a revocation that came after it. The folder must exist."""
     descriptor = os.open(folder(), os.O_RDONLY | os.O_DIRECTORY)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX)
@@ -305,6 +305,12 @@ def revoke(name: str) -> list[Admitted]:
     the fingerprint is `name`. Removes the keys from the key folder, adds them to the file
     `revoked`, whose lines the broker tells to all servers, and returns the removed keys. Raises
     KeyFolderError if there is no such key, and RuntimeError like own_key."""
+    own_key()  # makes the folder if it is missing
+    with _alone():
+        return _revoke(name)
+
+
+def _revoke(name: str) -> list[Admitted]:
     found = owned_by(name)
     if not found and not re.fullmatch(r"[0-9a-fA-F:]+", name.removesuffix(_SUFFIX)):
         raise KeyFolderError(f"{name}: no admitted key has this owner; `gecos keys` lists them")

@@ -1,4 +1,6 @@
 // What a served object does with packets that no client of ours would send, or not so late.
+#include <future>
+
 #include "../settles.hpp"
 #include "object_host_bench.hpp"
 
@@ -82,6 +84,13 @@ TEST_F(ServedObjects, BeginNothingAfterAPauseBeforeWhatCameAheadOfTheHeartbeatIs
 
 TEST_F(ServedObjects, RefuseWhatLayUnreadForTooLongAlsoIfThePauseIsNotJudgedYet) {
   session_->intake.accept_within(std::chrono::milliseconds(750));
+  // The maintenance thread, which would judge the pause, waits meanwhile.
+  std::promise<void> waits, judges;
+  runtime_->maintenance().post([&waits, may_go_on = judges.get_future().share()] {
+    waits.set_value();
+    may_go_on.wait();
+  });
+  waits.get_future().wait();
   PauseWatch& pauses = runtime_->maintenance().pauses();
   connection_->unread_for = std::chrono::seconds(1);
   call(1, probe::read_code);
@@ -96,6 +105,7 @@ TEST_F(ServedObjects, RefuseWhatLayUnreadForTooLongAlsoIfThePauseIsNotJudgedYet)
   pauses.judged(TimePoint::max());
   object_->run_ready(Starter::Poller);
   EXPECT_EQ(reply_to(3), Detail::Done);
+  judges.set_value();
 }
 
 TEST_F(ServedObjects, LetNoSampleOfAClientActAfterAPauseBeforeTheClientIsHeard) {

@@ -21,8 +21,8 @@ class KeptNames {
   /// Returns the objects in the file whose processes live, and watches these processes. Leaves out
   /// the objects of the calling process, because this process runs and registers them itself.
   std::vector<Entry> living(Processes& processes) const;
-  /// Writes `entries` to the file unless the file contains them already. `processes` must watch the
-  /// process of each entry. Logs a warning when the file cannot be written.
+  /// Writes `entries` to the file unless this object wrote the same entries last. `processes` must
+  /// watch the process of each entry. Logs a warning when the file cannot be written.
   void keep(const std::vector<Entry>& entries, const Processes& processes);
 
  private:

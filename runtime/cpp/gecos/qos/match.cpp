@@ -28,8 +28,8 @@ bool too_unreliable(const Quality& asked, const LineCapabilities& line, Traffic 
 std::string with_unit(Duration duration) {
   const double seconds = std::chrono::duration<double>(duration).count();
   char text[32];
-  // Each bound, in s, is the smallest duration that the format of the next smaller unit would print
-  // with an exponent, such as 1e+03ms.
+  // Each bound, in s, is the smallest duration that the next format would print with an exponent,
+  // such as 1e+03ms.
   if (seconds >= 9999.5) {
     std::snprintf(text, sizeof text, "%.0fs", seconds);
   } else if (seconds >= 0.9995) {

@@ -12,9 +12,9 @@ def mistaken_unit(value: object, low: float, high: float, unit: str) -> str:
     Returns "" if there is no reason to ask.
 
     The question about degrees is asked if `unit` is "rad", and if `value` is outside the range from
-    `low` to `high`, is greater than pi, and would be inside the range after a conversion from
-    degrees. The question about millimetres is asked likewise if `unit` is "m" and `value` is at
-    least 1. C++ computes the same text."""
+    `low` to `high`, has a magnitude greater than pi, and would be inside the range after a
+    conversion from degrees. The question about millimetres is asked likewise if `unit` is "m" and
+    the magnitude of `value` is at least 1. C++ computes the same text."""
     if not isinstance(value, int | float) or low <= value <= high:
         return ""
     if unit == "rad" and abs(value) > math.pi and low <= value * math.pi / 180 <= high:

@@ -50,7 +50,6 @@ void SealedSender::open(crypto::Sealer sealer) {
     port_->publish(channel_, datagram);
   }
   held_.clear();
-  bytes_held_ = 0;
 }
 
 bool SealedSender::is_open() {

@@ -38,8 +38,8 @@ class FeedStanding {
   static constexpr std::size_t index(access::Status status) {
     return static_cast<std::size_t>(status);
   }
-  // The value 0 is no epoch: it means that no samples are admitted. The atomics order no other
-  // memory.
+  // The value 0 is no epoch: it means that no samples are admitted. Each atomic publishes
+  // only itself, to the ports of inward streams.
   std::array<std::atomic<std::uint64_t>, 3> epochs_{};
   std::atomic<bool> unheard_{false};
 };

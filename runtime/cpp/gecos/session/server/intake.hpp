@@ -34,7 +34,8 @@ class Intake {
   struct Arrival {
     std::uint64_t counter = 0;
     Duration age{};  ///< time since the client sent the packet
-    /// The client has sent no heartbeat since this process was suspended. Only needed if too_old().
+    /// A pause of this process is not judged yet, or the client has sent no heartbeat since the
+    /// last pause. Used only for a packet that is too_old().
     bool unheard = false;
     bool needs_all = false;  ///< the call may be accepted only after all earlier calls have arrived
   };

@@ -158,9 +158,10 @@ void SessionPackets::withdraw(ServerSession& session) {
   calls_.note_ready();
 }
 
-/// Ends the call `counter` if it waits, or interrupts it if it runs and is cancelable. If the call
-/// was interrupted or has @on_new("blend"), also cancels the later commands of `session`, up to the
-/// call `last`.
+/// Ends the call `counter` if it waits. Interrupts it if it runs, is cancelable and is not being
+/// canceled. After an interruption, and after the end of a waiting command with @on_new("blend"),
+/// also ends the later waiting commands of `session` up to the call `last`. After an interruption,
+/// also interrupts the later commands with @on_new("blend") that the call has let start.
 void SessionPackets::cancel(ServerSession& session, std::uint64_t counter, std::uint64_t last) {
   constexpr const char* before_start = "canceled before it started";
   const Failure left_line{Detail::Canceled, "canceled while the request waited", {}, {}};
@@ -280,8 +281,8 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
   take_early(session);
 }
 
-/// Refuses a call that was unread for too long, for example while this process was suspended. By
-/// then the client has given the call up, so the call must not start any more.
+/// Refuses a call that was unread for too long, for example while this process was suspended. The
+/// client gives the call up soon, or has done so already. Therefore the call must not start.
 void SessionPackets::refuse_late(ServerSession& session, const wire::PacketView& packet) {
   const wire::PacketHeader& call = packet.header;
   const std::string why =
