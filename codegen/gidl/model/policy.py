@@ -71,10 +71,6 @@ class StreamDirection(Enum):
     IN = "in"
 
 
-MEDIA = ("inproc", "shm", "lcm", "tcp", "can")
-"""The names of the media that an interface file may name in @qos(media=…)."""
-
-
 @dataclass(frozen=True, slots=True)
 class Qos:
     """The quality terms (QoS) of a connection. A term that is None is not set."""

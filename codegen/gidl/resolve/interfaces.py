@@ -17,7 +17,6 @@ from gidl.model import (
     Parameter,
 )
 from gidl.model.policy import (
-    MEDIA,
     Access,
     Liveliness,
     OnDegraded,
@@ -50,6 +49,7 @@ _STRUCT = frozenset(("struct",))
 _Choice = TypeVar("_Choice", OnNew, OnLoss)
 _Number = TypeVar("_Number", int, float)
 MAX_BASES = 64
+MEDIA = ("inproc", "shm", "lcm", "tcp", "can")
 _DURATIONS = "ns, us, ms, s, min or h"
 
 

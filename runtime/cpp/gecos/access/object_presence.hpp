@@ -39,7 +39,9 @@ class ObjectPresence {
     /// The number of the current spell, an uninterrupted time of presence; the number of the last
     /// spell if nobody is present.
     std::uint64_t spell = 0;
-    std::string why;  ///< a text for people: who is present, or why nobody is, and what to do
+    /// A text for people. It says who is present; if nobody is present, it says why, and what to
+    /// do.
+    std::string why;
   };
   // take(), on_tick(), forget() and enter() return true when presence counted before the call and
   // does not count after it. The caller must then end the commands that need presence.

@@ -40,7 +40,9 @@ class Zone {
     /// The number of the current spell, an uninterrupted time of presence; the number of the last
     /// spell if nobody is present.
     std::uint64_t spell = 0;
-    std::string why;  ///< a text for people: who is present; or why nobody is, and what to do
+    /// A text for people. It says who is present; if nobody is present, it says why, and what to
+    /// do.
+    std::string why;
     friend bool operator==(const Verdict&, const Verdict&) = default;
   };
   Verdict verdict(TimePoint now);
