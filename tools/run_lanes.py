@@ -51,6 +51,8 @@ class Verdict:
     passed: bool
     closing_line: str
     seconds: float
+    processor_seconds: float = 0.0
+    """Of the lane and of all the processes that it started and waited for."""
 
 
 def all_lanes(build: str, jobs: int) -> list[Lane]:
@@ -170,14 +172,21 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
             last = text or last
             if re.search(lane.closing, text):
                 closing = text
-        status = process.wait()
+        status, used = wait_for(process)
     watch.cancel()
 
     if late.is_set():
         closing = f"killed: not done after {limit:.0f} s"
     elif status < 0:
         closing = f"died of {signal.Signals(-status).name}"
-    return Verdict(lane, status == 0, closing or last, time.monotonic() - started)
+    return Verdict(lane, status == 0, closing or last, time.monotonic() - started, used)
+
+
+def wait_for(process: subprocess.Popen[str]) -> tuple[int, float]:
+    """Returns the exit status of the process, and the processor time in seconds that it took."""
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, usage.ru_utime + usage.ru_stime
 
 
 def run_together(lanes: Sequence[Lane], at_a_time: int) -> list[Verdict]:
@@ -226,7 +235,7 @@ def summary(verdicts: Sequence[Verdict]) -> str:
     width = max(len(verdict.lane.name) for verdict in verdicts)
     lines = [
         f"{'passed' if verdict.passed else 'FAILED'}  {verdict.lane.name:<{width}}  "
-        f"{verdict.seconds:6.1f} s  {verdict.closing_line}"
+        f"{verdict.seconds:6.1f} s  cpu {verdict.processor_seconds:6.1f} s  {verdict.closing_line}"
         for verdict in verdicts
     ]
     failed = [verdict.lane.name for verdict in verdicts if not verdict.passed]

@@ -143,7 +143,10 @@ void ArmController::step(double seconds) {
     end = turn_on(answer, seconds);
   } else if (loop_.phase != Phase::Standing) {
     if (undefined) {
-      end = Outcome{End::Fault, 0, 0, {"a set point of the motion is not finite; the arm stands"}};
+      const char* const why = loop_.threw
+                                  ? "the plan of the motion threw an exception; the arm stands"
+                                  : "a set point of the motion is not finite; the arm stands";
+      end = Outcome{End::Fault, 0, 0, {why}};
     } else if (auto fault = fault_of(answer, seconds)) {
       end = Outcome{End::Fault, 0, 0, std::move(*fault)};
     } else if (missed > most_delayed && (fault = not_held(answer->position, before))) {
@@ -232,6 +235,7 @@ void ArmController::begin_motion() {
     why = DriverFault{"the joints moved after the motion was planned; request the motion again"};
   }
   if (why) return end_motion(Outcome{End::Fault, 0, 0, std::move(*why)});
+  loop_.threw = false;
   loop_.phase = Phase::Moving;
 }
 
@@ -291,6 +295,7 @@ void ArmController::move(std::uint64_t missed) {
   try {
     loop_.command = generator_->advance(drives_.period);
   } catch (...) {  // some exceptions of KDL do not derive from std::exception
+    loop_.threw = true;
     loop_.command.setConstant(std::numeric_limits<double>::quiet_NaN());
     return;
   }

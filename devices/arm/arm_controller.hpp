@@ -163,6 +163,7 @@ class ArmController {
     JointState state;  ///< the driver's last answer
     JointValues command{};
     JointValues velocity{};  ///< rad/s, of the last command
+    bool threw = false;      ///< the generator of the set points has thrown an exception
     bool silent = false;     ///< the driver returned no plausible answer in the last cycle
     std::string refusal{};   ///< why the drives could not be enabled; empty if they could
     double settling = 0;     ///< time in s since the end of the plan, or since the reset

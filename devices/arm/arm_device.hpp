@@ -86,10 +86,11 @@ class ArmDevice {
   tl::expected<void, Refused> set_tool_offset(const Frame& flange_from_tool);
 
   /// Moves the tool to the frame `world_from_goal`. Returns when the measured joint positions show
-  /// that the arm has arrived there. A joint move ends in a configuration that `wanted` admits.
-  /// Without `wanted`, and on a straight line, the arm keeps its configuration; a straight move to
-  /// another configuration is Refused. If `goes_over` is true, the arm need not stop at the goal
-  /// when the next move is requested in time.
+  /// that the arm has arrived there, or, if the arm goes over into the next move, when the arm is
+  /// on the path of that move. A joint move ends in a configuration that `wanted` admits. Without
+  /// `wanted`, and on a straight line, the arm keeps its configuration; a straight move to another
+  /// configuration is Refused. If `goes_over` is true, the arm need not stop at the goal when the
+  /// next move is requested in time.
   tl::expected<void, MoveFailure> move(
       const Frame& world_from_goal, PathKind path, const robcl::motion::Pace& pace,
       MotionWatcher& watcher, const std::optional<robcl::arm::Configuration>& wanted = std::nullopt,

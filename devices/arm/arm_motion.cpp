@@ -186,7 +186,8 @@ bool ArmMotion::is_to_plan(const Link& link) const {
 
 /// Watches the motion for at most 5 ms, and longer while another thread holds the mutex. Stops the
 /// arm if a move of the motion is interrupted, ends the moves that are complete, and reports the
-/// progress.
+/// progress. Handles the end of the motion. If the control loop has stalled, ends all moves with a
+/// fault.
 void ArmMotion::watch(Lock&) {
   std::optional<ArmController::Outcome> ended;
   OutcomeWatch& outcome = *outcome_;

@@ -30,7 +30,8 @@ class NextConfiguration {
   }
   /// Sets the configuration `taken` again for the next joint move of the session. Must be called if
   /// take() returned `taken` for a joint move and the arm refused this move. Does nothing if the
-  /// session has set another configuration since.
+  /// session has set another configuration since, or if the configurations of `most_sessions`
+  /// sessions are kept.
   void give_back(const Issuer& issuer, const robcl::arm::Configuration& taken) {
     const gecos::MutexLock lock(mutex_);
     const auto of_session = [&](const auto& known) {

@@ -52,7 +52,8 @@ REFUSED = [
     (
         "Holds",
         '{"form": {"tag": "RED"}}',
-        "form: the member 'value' is missing, although the tag of the union selects one",
+        "form: the member 'value' is missing: the tag of this union selects an arm, which has a "
+        "value",
     ),
     (
         "Gap",

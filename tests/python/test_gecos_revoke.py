@@ -157,10 +157,11 @@ def test_a_revocation_that_was_killed_half_way_is_completed_by_the_next_one(
     assert key_folder.admitted() == []
 
 
-def test_an_admission_and_a_revocation_never_run_at_the_same_time(
+def test_admissions_removals_and_revocations_never_run_at_the_same_time(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Otherwise an admission could end a revocation that came after it."""
+    """Otherwise an admission could end a revocation that came after it, and a removal could leave a
+    key without its owner."""
     put, unlink, locked = key_folder._put, key_folder._unlink, []
 
     def note_lock() -> None:
@@ -186,6 +187,10 @@ def test_an_admission_and_a_revocation_never_run_at_the_same_time(
     monkeypatch.setattr(key_folder, "_unlink", unlink_noting)
     key_folder.add(Path(received(tmp_path, KEY)), "anna@desk")
     key_folder.revoke("anna@desk")
+    assert locked == [True] * 4, "the owner, the key, the list, and the removal of the key"
+    locked.clear()
+    key_folder.add(Path(received(tmp_path, KEY)), "anna@desk")
+    key_folder.remove(KEY)
     assert locked == [True] * 4, "the owner, the key, the list, and the removal of the key"
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import os
+import resource
 import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +21,8 @@ from processes import Program  # noqa: E402
 CONNECTED_WITHIN_S = 10.0
 NAMES_BACK_WITHIN_S = 2.0
 CLIENT_KIB_IN_SERVER = 64.0
+IDLE_PERCENT = 0.05
+TIMES_ALONE = 1.2
 CALLS, ROUNDS = 400, 5
 """A round trip is the median of so many calls, in the best of so many rounds."""
 ASK = """
@@ -71,14 +74,24 @@ class Costs:
             f" names back in {self.names_back_s:.2f} s"
         )
 
-    def broken_bounds(self) -> list[str]:
-        """The promised bounds that were not kept."""
+    def broken_bounds(self, *, quiet: bool) -> list[str]:
+        """The promised bounds that were not kept. Those of processor time and of round trips are
+        judged only if the machine was `quiet`: other programs would change both."""
         bounds = [
             ("seconds until all are connected", self.connected_s, CONNECTED_WITHIN_S),
             ("seconds until a new broker has all names", self.names_back_s, NAMES_BACK_WITHIN_S),
             ("KiB of a client in its server", self.server_kib, CLIENT_KIB_IN_SERVER),
         ]
-        return [f"{what}: {is_:.2f}, at most {most}" for what, is_, most in bounds if is_ > most]
+        if quiet:
+            bounds += [
+                ("% of a core of an idle client", self.idle_percent, IDLE_PERCENT),
+                (
+                    "a round trip beside idle clients, in those of the only client",
+                    self.beside_us / self.alone_us,
+                    TIMES_ALONE,
+                ),
+            ]
+        return [f"{what}: {is_:.4g}, at most {most:g}" for what, is_, most in bounds if is_ > most]
 
 
 def processor_s(programs: Sequence[Program]) -> float:
@@ -158,6 +171,18 @@ def _end(program: Program) -> None:
         program.finish()
 
 
+@contextlib.contextmanager
+def many_files() -> Iterator[None]:
+    """Lets programs that start meanwhile open as many files as the machine permits: a process that
+    reaches 1,000 objects over lcm opens some 7,000."""
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (before[1], before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
+
+
 def round_trip_us(client: Program) -> float:
     medians = []
     for _ in range(ROUNDS):
@@ -169,6 +194,7 @@ def round_trip_us(client: Program) -> float:
 def measure(crowd: Crowd, build: Path, env: Mapping[str, str]) -> Costs:
     """Starts the laboratory and measures it; the broker is killed and replaced at the end."""
     with contextlib.ExitStack() as stack:
+        stack.enter_context(many_files())
         laboratory = Laboratory(crowd, build, env, stack)
         broker = laboratory.broker()
         servers = laboratory.servers()

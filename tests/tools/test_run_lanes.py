@@ -48,6 +48,13 @@ def test_a_lane_that_hangs_is_killed_with_what_it_started() -> None:
     assert verdict.closing_line == "killed: not done after 1 s"
 
 
+def test_the_processor_time_of_a_lane_includes_that_of_its_programs() -> None:
+    work = "import time\nwhile time.process_time() < 0.2: pass"
+    verdict = run(lane(f"import subprocess, sys; subprocess.run([sys.executable, '-c', {work!r}])"))
+    assert verdict.passed
+    assert 0.2 <= verdict.processor_seconds < verdict.seconds + 0.2
+
+
 def test_a_runner_that_is_not_there_fails() -> None:
     verdict = run(Lane("planted", ("/nonexistent/runner",), "x"))
     assert not verdict.passed

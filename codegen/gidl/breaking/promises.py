@@ -76,7 +76,7 @@ def _weaker(old: Qos, new: Qos) -> Iterator[str]:
     if old.depth is not None and (new.depth is None or new.depth < old.depth):
         yield f"kept {old.depth} samples and now keeps {new.depth or 'an undeclared number'}"
     if new.media is not None:
-        lost = sorted(_reached(old.media or _AVAILABLE) - _reached(new.media))
+        lost = sorted((_reached(old.media or _AVAILABLE) - _reached(new.media)) & set(_AVAILABLE))
         if lost:
             yield f"cannot be reached over {', '.join(lost)} any more"
 
@@ -101,8 +101,8 @@ def _calls_less_reliable(old: Qos, new: Qos) -> Iterator[str]:
 
 def _less_reliable(old: Call, new: Call) -> Iterator[str]:
     """Yields a text if the reliability of a member has changed so that clients may lose calls or
-    samples, or cannot subscribe any more. Samples are BEST_EFFORT unless RELIABLE is written. The
-    medium lcm loses samples, so it refuses a subscription to RELIABLE samples."""
+    samples, or cannot use the stream over lcm any more. Samples are BEST_EFFORT unless RELIABLE is
+    written. The medium lcm loses samples, so RELIABLE samples are refused there."""
     if not (old.sends_samples and new.sends_samples):
         yield from _calls_less_reliable(old.qos_of_calls, new.qos_of_calls)
         return
@@ -111,7 +111,9 @@ def _less_reliable(old: Call, new: Call) -> Iterator[str]:
         yield f"{_UNRELIABLE}: its samples may be lost over lcm"
     lcm = all(each.qos.media is None or "lcm" in each.qos.media for each in (old, new))
     if is_now and not was and lcm:
-        yield "is RELIABLE now: clients cannot subscribe to it over lcm any more (QOS_UNAVAILABLE)"
+        inward = isinstance(new, Attribute) and new.streams_in
+        use = "send samples on it" if inward else "subscribe to it"
+        yield f"is RELIABLE now: clients cannot {use} over lcm any more (QOS_UNAVAILABLE)"
 
 
 def duration(nanoseconds: int | None) -> str:

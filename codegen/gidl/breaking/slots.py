@@ -155,8 +155,8 @@ def _kept(
         report.add("G1002", subject,
                    f"{what} may be left out of messages in only one of the two versions",
                    "the hashes of operations differ, so old and new programs refuse each other",
-                   "keep the @default of this declaration, and do not change the declarations "
-                   "after it",
+                   "write @default or @optional exactly where the old version has it, and add no "
+                   "required declaration after this one",
                    new=places[0], old=places[1])  # fmt: skip
     elif had and not has and not new.optional:
         report.add("G1102", subject, f"{what} has no default any more",

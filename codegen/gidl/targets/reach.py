@@ -1,5 +1,5 @@
-"""Finds the types that a type can contain. A type may contain itself; decoders limit how
-deep the values of such a type may be nested."""
+"""Finds the types that a type can contain. A type may contain itself; decoders limit how deep the
+values of such a type may be nested."""
 
 from __future__ import annotations
 

@@ -205,8 +205,10 @@ def remove(name: str) -> Admitted:
     """Ends the admission of a key. `name` is the name of its file, or the beginning of its
     fingerprint. Raises KeyFolderError if no key or several keys have this name, or if it is the
     user's own key."""
-    found = _named(name)
-    _unlink(found)
+    own_key()  # makes the folder if it is missing
+    with _alone():
+        found = _named(name)
+        _unlink(found)
     return found
 
 
@@ -280,8 +282,9 @@ def _note_revoked(news: list[Revoked]) -> None:
 
 @contextmanager
 def _alone() -> Iterator[None]:
-    """Waits until no other program adds or revokes a key, and keeps other programs from doing so.
-    Otherwise an admission could end a revocation that came after it. The folder must exist."""
+    """Waits until no other program adds, removes or revokes a key, and keeps other programs from
+    doing so. Otherwise an admission could end a revocation that came after it, and a removal could
+    leave a key without its owner. The folder must exist."""
     descriptor = os.open(folder(), os.O_RDONLY | os.O_DIRECTORY)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX)

@@ -23,5 +23,12 @@ TEST(WholeCharacters, CutsBeforeTheCharacterThatDoesNotFit) {
   }
 }
 
+TEST(WholeCharacters, CutsWhatIsNotUtf8Anywhere) {
+  const std::string text(9, '\x80');
+  for (std::size_t most = 0; most <= text.size(); ++most) {
+    EXPECT_EQ(whole_characters(text, most).size(), most);
+  }
+}
+
 }  // namespace
 }  // namespace gecos

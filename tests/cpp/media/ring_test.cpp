@@ -40,7 +40,7 @@ class AfterSuspension final : public Clock {
   explicit AfterSuspension(Duration suspended) : suspended_(suspended) {}
   TimePoint now() const override { return SystemClock().now(); }
   TimePoint since_boot() const override { return SystemClock().since_boot() + suspended_; }
-  double unix_seconds() const override { return SystemClock().unix_seconds(); }
+  Duration unix_time() const override { return SystemClock().unix_time(); }
 
  private:
   const Duration suspended_;

@@ -27,7 +27,7 @@ class FakeCore final : public Clock, public Core {
     ++readings;
     return at;
   }
-  double unix_seconds() const override { return 0; }
+  Duration unix_time() const override { return {}; }
   std::int32_t number() const override { return core; }
   void yield() const override {
     ++yields;

@@ -147,7 +147,8 @@ TEST(Intake, WhatLayUnreadForTooLongIsSentAgainOrRefused) {
   reliable.accept_within(second);
   EXPECT_EQ(reliable.arrived({.counter = 1, .age = 2 * second}), Verdict::Take)
       << "it waited for a handler";
-  EXPECT_EQ(reliable.arrived({.counter = 2, .age = 2 * second, .unheard = true}), Verdict::TooLate)
+  EXPECT_EQ(reliable.arrived({.counter = 2, .age = 2 * second, .from_a_pause = true}),
+            Verdict::TooLate)
       << "this process stood still";
   EXPECT_TRUE(reliable.seen(2));
 }

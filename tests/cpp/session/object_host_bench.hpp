@@ -74,7 +74,7 @@ class SuspendedMachine final : public Clock {
  public:
   TimePoint now() const override { return system_.now() + passed_.load(); }
   TimePoint since_boot() const override { return system_.since_boot() + suspended_.load(); }
-  double unix_seconds() const override { return system_.unix_seconds(); }
+  Duration unix_time() const override { return system_.unix_time(); }
   void suspend(Duration length) { suspended_ = suspended_.load() + length; }
   void pass(Duration time) { passed_ = passed_.load() + time; }
 

@@ -108,6 +108,33 @@ TEST_F(ServedObjects, RefuseWhatLayUnreadForTooLongAlsoIfThePauseIsNotJudgedYet)
   judges.set_value();
 }
 
+TEST_F(ServedObjects, RefuseWhatWasSentBeforeAPauseEndedAlsoIfAHeartbeatIsReadFirst) {
+  session_->intake.accept_within(std::chrono::milliseconds(750));
+  // The maintenance thread, which would find the pause, waits meanwhile.
+  std::promise<void> waits, goes_on;
+  runtime_->maintenance().post([&waits, may_go_on = goes_on.get_future().share()] {
+    waits.set_value();
+    may_go_on.wait();
+  });
+  waits.get_future().wait();
+  PauseWatch& pauses = runtime_->maintenance().pauses();
+  pauses.judged(clock_.since_boot());
+  clock_.suspend(std::chrono::seconds(2));
+  ASSERT_TRUE(pauses.tick(clock_.since_boot()));
+  object_->await_sign_of_life(*session_);
+  pauses.judged(TimePoint::max());
+  ASSERT_FALSE(object_->check_liveness(session_)) << "the heartbeat is there";
+  connection_->unread_for = std::chrono::seconds(1);
+  call(1, probe::read_code);
+  EXPECT_EQ(reply_to(1), Detail::NotStarted);
+  call(2, GecosObjectInterface::stop.code);
+  EXPECT_EQ(reply_to(2), Detail::Done) << "a stop takes effect however old it is";
+  clock_.suspend(std::chrono::seconds(2));
+  call(3, probe::read_code);
+  EXPECT_EQ(reply_to(3), Detail::Done) << "it was sent after the pause";
+  goes_on.set_value();
+}
+
 TEST_F(ServedObjects, LetNoSampleOfAClientActAfterAPauseBeforeTheClientIsHeard) {
   EXPECT_FALSE(session_->standing->unheard());
   object_->await_sign_of_life(*session_);

@@ -71,7 +71,7 @@ class RealClock final : public Clock {
     return at;
   }
   bool real() const override { return true; }
-  double unix_seconds() const override { return 0; }
+  Duration unix_time() const override { return {}; }
   TimePoint at = begin;
   mutable int readings = 0;
 };

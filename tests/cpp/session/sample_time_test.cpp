@@ -11,12 +11,10 @@ using namespace std::chrono_literals;
 class SetClock final : public Clock {
  public:
   TimePoint now() const override { return TimePoint{passed}; }
-  double unix_seconds() const override {
-    return wall + std::chrono::duration<double>(passed).count();
-  }
+  Duration unix_time() const override { return wall + passed; }
 
   Duration passed = 1h;
-  double wall = 1.7e9;
+  Duration wall = 1'700'000'000s;
 };
 
 class SampleTimes : public ::testing::Test {
@@ -28,27 +26,27 @@ class SampleTimes : public ::testing::Test {
 TEST_F(SampleTimes, AgeAsTimePassesWhateverTheWallClockIsSetTo) {
   const SampleTime time = sample_time(measured_now, clock);
   clock.passed += 100ms;
-  clock.wall -= 2;
+  clock.wall -= 2s;
   EXPECT_EQ(age(time), 100ms);
-  clock.wall += 7200;
+  clock.wall += 2h;
   EXPECT_EQ(age(time), 100ms);
 }
 
 TEST_F(SampleTimes, CarryAStampForPeople) {
-  EXPECT_NEAR(static_cast<double>(sample_time(measured_now, clock).stamp_ns) * 1e-9, 1.7e9 + 3600,
-              1e-3);
+  clock.passed += 1ns;
+  EXPECT_EQ(sample_time(measured_now, clock).stamp_ns, 1'700'003'600'000'000'001);
 }
 
 TEST_F(SampleTimes, OfTheServantsOwnAreComparedWithTheWallClockOnce) {
-  const auto stamp = static_cast<std::int64_t>((clock.unix_seconds() - 0.25) * 1e9);
+  const auto stamp = (clock.unix_time() - 250ms).count();
   const SampleTime time = sample_time(stamp, clock);
   EXPECT_EQ(time.stamp_ns, stamp);
-  clock.wall -= 2;
-  EXPECT_NEAR(std::chrono::duration<double>(age(time)).count(), 0.25, 1e-3);
+  clock.wall -= 2s;
+  EXPECT_EQ(age(time), 250ms);
 }
 
 TEST_F(SampleTimes, AreNeverLaterThanNow) {
-  const auto tomorrow = static_cast<std::int64_t>((clock.unix_seconds() + 86400) * 1e9);
+  const auto tomorrow = (clock.unix_time() + 24h).count();
   EXPECT_EQ(age(sample_time(tomorrow, clock)), 0s);
 }
 

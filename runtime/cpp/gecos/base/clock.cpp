@@ -14,9 +14,8 @@ TimePoint SystemClock::since_boot() const {
   return TimePoint{std::chrono::seconds(passed.tv_sec) + std::chrono::nanoseconds(passed.tv_nsec)};
 }
 
-double SystemClock::unix_seconds() const {
-  const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration<double>(since_1970).count();
+Duration SystemClock::unix_time() const {
+  return std::chrono::system_clock::now().time_since_epoch();
 }
 
 TimePoint deadline_after(Duration patience) {
@@ -24,13 +23,12 @@ TimePoint deadline_after(Duration patience) {
   return patience < TimePoint::max() - now ? now + patience : TimePoint::max();
 }
 
-FakeClock::FakeClock(TimePoint start, double unix_start) : start_(start), unix_start_(unix_start) {}
+FakeClock::FakeClock(TimePoint start, Duration unix_start)
+    : start_(start), unix_start_(unix_start) {}
 
 TimePoint FakeClock::now() const { return start_ + Duration{passed_.load()}; }
 
-double FakeClock::unix_seconds() const {
-  return unix_start_ + std::chrono::duration<double>(Duration{passed_.load()}).count();
-}
+Duration FakeClock::unix_time() const { return unix_start_ + Duration{passed_.load()}; }
 
 void FakeClock::advance(Duration step) {
   assert(step >= Duration::zero());

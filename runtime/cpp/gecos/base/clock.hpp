@@ -27,9 +27,9 @@ class Clock {
   /// together with this clock.
   virtual bool real() const { return false; }
 
-  /// Returns seconds since 1970 UTC, for time stamps that leave the process. An operator may set
+  /// Returns the time since 1970 UTC, for time stamps that leave the process. An operator may set
   /// this clock back.
-  virtual double unix_seconds() const = 0;
+  virtual Duration unix_time() const = 0;
 };
 
 class SystemClock final : public Clock {
@@ -37,28 +37,29 @@ class SystemClock final : public Clock {
   TimePoint now() const override;
   TimePoint since_boot() const override;
   bool real() const override { return true; }
-  double unix_seconds() const override;
+  Duration unix_time() const override;
 };
 
 /// Returns the time that is `patience` from now by the system's clock. For Duration::max(), returns
 /// TimePoint::max(), a deadline that never comes.
 TimePoint deadline_after(Duration patience);
 
-/// A clock for tests. Both its monotonic time and its `unix_seconds` advance only when `advance` is
+/// A clock for tests. Both its monotonic time and its `unix_time` advance only when `advance` is
 /// called.
 class FakeClock final : public Clock {
  public:
-  explicit FakeClock(TimePoint start = TimePoint{std::chrono::hours{1}}, double unix_start = 1.7e9);
+  explicit FakeClock(TimePoint start = TimePoint{std::chrono::hours{1}},
+                     Duration unix_start = std::chrono::seconds{1'700'000'000});
 
   TimePoint now() const override;
-  double unix_seconds() const override;
+  Duration unix_time() const override;
 
   /// @pre `step` is not negative.
   void advance(Duration step);
 
  private:
   const TimePoint start_;
-  const double unix_start_;
+  const Duration unix_start_;
   std::atomic<Duration::rep> passed_{0};  // protects no other data
 };
 

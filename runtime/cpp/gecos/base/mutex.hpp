@@ -30,10 +30,10 @@ class GECOS_CAPABILITY("mutex") Mutex {
   std::mutex mutex_;
 };
 
-/// A mutex that every call of an operation locks for a short time, and for which threads hardly
-/// ever compete. Locking and unlocking cost two atomic operations and no function call, which is
-/// less than half the time of std::mutex. A thread that must wait sleeps. The algorithm is mutex2
-/// of U. Drepper, "Futexes Are Tricky", 2011.
+/// A mutex that every call or every published sample locks for a short time, and for which threads
+/// hardly ever compete. Locking and unlocking cost two atomic operations and no function call,
+/// which is less than half the time of std::mutex. A thread that must wait sleeps. The algorithm is
+/// mutex2 of U. Drepper, "Futexes Are Tricky", 2011.
 class GECOS_CAPABILITY("mutex") FutexMutex {
  public:
   FutexMutex() = default;

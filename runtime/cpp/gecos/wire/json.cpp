@@ -304,7 +304,9 @@ bool JsonReader::expect_arm(bool selected) const {
         .fail("the tag of this union allows no member of this name");
   }
   return !selected || data_->contains("value") ||
-         fail("the member 'value' is missing, although the tag of the union selects one");
+         fail(
+             "the member 'value' is missing: the tag of this union selects an arm, which has a "
+             "value");
 }
 
 std::optional<JsonReader> JsonReader::find(std::string_view name) const {

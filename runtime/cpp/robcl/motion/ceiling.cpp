@@ -16,7 +16,8 @@ double Ceiling::height(std::size_t knot, double s) const {
          (squares_[knot] + std::clamp(part, 0.0, 1.0) * (squares_[knot + 1] - squares_[knot]));
 }
 
-/// Moves `state` with d²s/dt² = `u` to the next knot; if `whole` is false, for at most `seconds`.
+/// Moves `state` with d²s/dt² = `u` to the next knot. Moves it for `seconds` instead if the knot is
+/// not reached by then and `whole` is false, or if the motion cannot reach the knot.
 /// When the motion reaches the knot, subtracts the time that it took from `seconds`.
 Ceiling::Step Ceiling::step(State& state, double u, double& seconds, bool whole) const {
   const double tolerance =

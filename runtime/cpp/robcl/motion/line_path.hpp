@@ -14,8 +14,10 @@ namespace robcl::motion {
 inline constexpr double line_tolerance = mm(0.05);
 
 struct LinePath {
-  Path path;           ///< s is from 0 to the duration of the line
-  double most_turned;  ///< greatest angle by which a joint turns between two knots, rad
+  Path path;  ///< s is from 0 to the duration of the line
+  /// The angle, in rad, above which two knots are moved closer together. Between the closest knots,
+  /// a joint may turn further.
+  double most_turned;
   /// For each interval, the greatest second derivatives by s of the distance and the angle of the
   /// tool from its line, in m and rad per square of s.
   std::vector<WayAndTurn> bends;

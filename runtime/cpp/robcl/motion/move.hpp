@@ -27,8 +27,9 @@ struct Move {
   /// For each interval, the greatest difference by which the speeds of the tool exceed those on the
   /// exact line, in m and rad per unit of s; may be empty.
   std::vector<WayAndTurn> faster{};
-  /// The greatest angle, in rad, by which a joint turns between two knots. It is smaller than
-  /// `joint_step` if the tool would otherwise leave its line.
+  /// The angle, in rad, above which two knots are moved closer together. Between the closest knots,
+  /// a joint may turn further. Smaller than `joint_step` if the tool would otherwise leave its
+  /// line.
   double most_turned = joint_step;
 
   double duration() const { return path.end(); }

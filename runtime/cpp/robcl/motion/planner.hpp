@@ -30,9 +30,8 @@ class Planner {
   /// Makes a move of all joints that puts the tool at the frame `base_from_goal`, in a
   /// configuration that `wanted` admits. Without `wanted`, the arm keeps its present configuration.
   /// If several joint positions are possible, chooses the ones that the arm reaches soonest. May
-  /// fail with OutOfReach or JointLimit. If the arm cannot reach the goal in its present
-  /// configuration, but `wanted` is missing and another configuration would do, the failure names
-  /// that configuration.
+  /// fail with OutOfReach or JointLimit. If `wanted` is missing, and the arm can reach the goal
+  /// only in another configuration than its present one, the failure names such a configuration.
   tl::expected<Move, arm::Failure> joint_move_to(
       const JointValues& from, const Frame& base_from_goal, const Frame& flange_from_tool,
       const Pace& pace, const std::optional<arm::Configuration>& wanted = std::nullopt);

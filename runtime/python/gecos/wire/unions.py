@@ -174,7 +174,9 @@ class UnionLayout:
             return self.kind(tag)
         if "value" not in data:
             raise JsonError(
-                path, "the member 'value' is missing, although the tag of the union selects one"
+                path,
+                "the member 'value' is missing: the tag of this union selects an arm, which has a "
+                "value",
             )
         return self.kind(tag, self.arms[arm - 1].kind.made(data["value"], below(path, "value")))
 

@@ -63,7 +63,7 @@ class ScheduleClock final : public Clock {
  public:
   TimePoint now() const override { return now_; }
   TimePoint since_boot() const override;
-  double unix_seconds() const override { return 0; }
+  Duration unix_time() const override { return {}; }
 
   /// Likewise, of nobody who could stop there.
   TimePoint seen_by_server() const { return now_ - hidden_; }

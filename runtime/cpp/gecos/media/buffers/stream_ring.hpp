@@ -52,7 +52,7 @@ class SleeperList {
   void wake();
 
  private:
-  Mutex mutex_;
+  FutexMutex mutex_;
   std::vector<std::weak_ptr<Sleeper>> sleepers_ GECOS_GUARDED_BY(mutex_);
 };
 

@@ -40,6 +40,7 @@ class PauseWatch {
       return std::nullopt;
     }
     judging_.store(true, std::memory_order_relaxed);
+    ended_.store(now, std::memory_order_relaxed);
     return now - std::min(next_, now);
   }
   /// Called by the maintenance thread after it has told all sessions and commands of the pause.
@@ -85,6 +86,8 @@ class PauseWatch {
     checked.moment = suspicious || !clock.real() ? Moment{} : now;
     return suspicious;
   }
+  /// Returns when the last pause ended that a tick has found; TimePoint::min() if there was none.
+  TimePoint ended() const { return ended_.load(std::memory_order_relaxed); }
   /// Waits until the pause is judged. Must not be called on the maintenance thread.
   void await_judgement(const Clock& clock) {
     if (!suspected(clock.since_boot())) return;
@@ -103,7 +106,8 @@ class PauseWatch {
   }
 
   TimePoint next_{};  ///< when the next tick is due; used by the maintenance thread only
-  std::atomic<TimePoint> due_{TimePoint::max()};  // orders no other memory
+  std::atomic<TimePoint> due_{TimePoint::max()};    // orders no other memory
+  std::atomic<TimePoint> ended_{TimePoint::min()};  // `judging_` publishes it to all who may start
   std::atomic<bool> judging_{false};  // storing false publishes the work of the maintenance thread
   Mutex mutex_;
   ConditionVariable judged_;

@@ -21,7 +21,7 @@ class ReceiveWindow {
     /// not arrived.
     Beyond,
   };
-  /// Notes that the call `counter` has arrived. Returns whether this is its first arrival.
+  /// Notes that the call `counter` has arrived, unless the result is Beyond.
   Verdict arrived(std::uint64_t counter);
   /// Notes that `counter` arrived over a medium that neither loses nor repeats packets: all lower
   /// counters have arrived too.

@@ -110,11 +110,9 @@ bool AccessControl::administers(const media::Peer& peer) noexcept {
     const MutexLock lock(mutex_);
     return policy().administers(server, who);
   } catch (const std::exception& failed) {
-    log_error(
-        "session",
-        std::string(
-            "this client does not count as an administrator, because its user is not known: ") +
-            failed.what());
+    log_error("session", peer.description +
+                             " does not count as an administrator, because the check failed: " +
+                             failed.what());
     return false;
   }
 }

@@ -67,8 +67,8 @@ class AccessControl {
     bool visitor = false;  ///< admitted as a visitor only (access/visitors.hpp)
   };
   /// Decides whether `peer`, a client that connects, is admitted. While the server is out of
-  /// contact with the broker, no client that proves its user by a key is admitted, because the
-  /// laboratory may have revoked this user.
+  /// contact with the broker, no client whose key has an owner is admitted, because the laboratory
+  /// may have revoked the owner.
   Judgement judge(const std::string& object, const media::Peer& peer) noexcept;
   /// Decides whether `peer` may stay connected to the object. Uses the lists that were read last,
   /// and does not wait.

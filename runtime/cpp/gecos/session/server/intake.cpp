@@ -10,7 +10,7 @@ namespace gecos::session {
 /// Checks the age of a call. Over a medium that loses no packets, a call may be old just because a
 /// handler took long. There, the age of a call matters only after a pause of this process.
 Intake::Verdict Intake::arrived(const Arrival& packet) {
-  if ((repeats_ || packet.unheard) && too_old(packet.age)) {
+  if ((repeats_ || packet.from_a_pause) && too_old(packet.age)) {
     if (repeats_) return Verdict::Ignore;
     window_.arrived_in_order(packet.counter);
     return Verdict::TooLate;

@@ -34,9 +34,9 @@ class Intake {
   struct Arrival {
     std::uint64_t counter = 0;
     Duration age{};  ///< time since the client sent the packet
-    /// A pause of this process is not judged yet, or the client has sent no heartbeat since the
-    /// last pause. Used only for a packet that is too_old().
-    bool unheard = false;
+    /// A pause of this process is not judged yet, or the client sent the packet before the last
+    /// pause ended. Used only for a packet that is too_old().
+    bool from_a_pause = false;
     bool needs_all = false;  ///< the call may be accepted only after all earlier calls have arrived
   };
   enum class Verdict : std::uint8_t {

@@ -56,7 +56,8 @@ RosterWatch::RosterWatch(const ObjectSetup& setup, const access::LeaseTable& lea
     : leases_(leases),
       clock_(clock),
       changes_(first_number(setup.clock().now())),
-      questions_(setup.name + ": clients ask too often who holds the status", setup.clock()) {}
+      questions_(setup.name + ": too many questions about the holders of the status",
+                 setup.clock()) {}
 
 std::vector<Holder> RosterWatch::holders() const {
   return shown_to_clients(leases_.roster(), clock_.now());

@@ -261,9 +261,16 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
   // all earlier calls have arrived.
   const bool release = packet.header.code == GecosObjectInterface::release.code;
   const Duration age = session->connection().age();
-  const bool unheard = session->intake.too_old(age) && unheard_since_a_pause(*session);
+  // A `stop` takes effect however old it is.
+  const bool stop = packet.header.code == GecosObjectInterface::stop.code;
+  bool from_a_pause = !stop && session->intake.too_old(age);
+  if (from_a_pause && !unheard_since_a_pause(*session)) {
+    // In shared memory, a heartbeat is read before the calls that were sent earlier. So a heartbeat
+    // after the pause does not show that this call was sent after the pause.
+    from_a_pause = setup_.clock().since_boot() - age <= setup_.pauses().ended();
+  }
   switch (session->intake.arrived(
-      {.counter = counter, .age = age, .unheard = unheard, .needs_all = release})) {
+      {.counter = counter, .age = age, .from_a_pause = from_a_pause, .needs_all = release})) {
     case Intake::Verdict::Take:
       break;
     case Intake::Verdict::Seen:
@@ -277,7 +284,7 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
   if (Duration& left = aged.header.deadline; left > Duration{}) {
     left = std::max(left - age, Duration{1});
   }
-  take_call(session, aged);
+  take_call(session, aged, age);
   take_early(session);
 }
 
@@ -299,7 +306,8 @@ void SessionPackets::refuse_late(ServerSession& session, const wire::PacketView&
   session.reply(call.counter, Failure{Detail::NotStarted, why, {}, {}});
 }
 
-void SessionPackets::take_call(const Session& session, const wire::PacketView& packet, Age age) {
+void SessionPackets::take_call(const Session& session, const wire::PacketView& packet,
+                               Duration age) {
   const std::uint64_t counter = packet.header.counter;
   const FunctionCode code = packet.header.code;
   if (refuse_visitor(setup_, calls_.statistics(), *session, packet)) return;
@@ -343,7 +351,7 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
 /// Notes that a call has arrived, and admits it. All calls that must be admitted before this call
 /// must have arrived.
 void SessionPackets::take_in_turn(const Session& session, const wire::PacketView& packet,
-                                  const OperationDescription& operation, Age age) {
+                                  const OperationDescription& operation, Duration age) {
   wire::PacketView call = packet;
   const auto arguments = note_arrival(*session, packet, &operation);
   if (arguments) {
@@ -355,7 +363,7 @@ void SessionPackets::take_in_turn(const Session& session, const wire::PacketView
 }
 
 void SessionPackets::admit(const Session& session, const wire::PacketView& packet,
-                           const OperationDescription& operation, Age age) {
+                           const OperationDescription& operation, Duration age) {
   const auto refuse = [&](const Failure& failure, std::uint64_t because_of = 0) {
     if (operation.status != access::Status::Sensor) {
       calls_.outcomes().ended(session->id(), packet.header.counter, failure.detail, failure.text);
@@ -382,8 +390,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
     call->state.set_deadline(expiry(packet.header.deadline, setup_.clock().since_boot()));
   }
   if (const Duration start_by = operation.quality.start_by; start_by > Duration{}) {
-    const Duration left =
-        std::max(start_by - age.value_or(session->connection().age()), Duration{1});
+    const Duration left = std::max(start_by - age, Duration{1});
     call->state.set_start_by(expiry(left, setup_.clock().since_boot()));
   }
   const auto commands_before = calls_.add(call);
@@ -430,13 +437,12 @@ std::optional<Failure> SessionPackets::refusal(ServerSession& session,
 /// earlier command; otherwise an arm could move to its second goal first. Returns true when the
 /// command was deferred, or was refused for lack of room.
 bool SessionPackets::too_early(ServerSession& session, const wire::PacketView& packet,
-                               const OperationDescription& operation, Age age) {
+                               const OperationDescription& operation, Duration age) {
   const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
   if (operation.safety || !keeps_place || !session.intake.too_early(packet.header.counter)) {
     return false;
   }
-  if (!session.intake.put_aside(packet, setup_.clock().since_boot(),
-                                age.value_or(session.connection().age()))) {
+  if (!session.intake.put_aside(packet, setup_.clock().since_boot(), age)) {
     const auto why = "the command was not queued: " +
                      text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
     calls_.statistics().refused(session, &operation, Detail::QueueFull);
@@ -468,7 +474,8 @@ void SessionPackets::end_early(ServerSession& session, std::uint64_t counter, De
 /// session, there are three cases. A call that runs is from now on reported in `session`. A call
 /// that has ended is answered again. A call that has not arrived becomes a new call in `session`,
 /// and may no longer start in the lost session.
-void SessionPackets::take_again(const Session& session, const wire::PacketView& packet, Age age) {
+void SessionPackets::take_again(const Session& session, const wire::PacketView& packet,
+                                Duration age) {
   wire::Decoder from(packet.body);
   SentBefore sent;
   if (!sent.decode(from)) {

@@ -41,10 +41,6 @@ class SessionPackets {
 
  private:
   using Session = std::shared_ptr<ServerSession>;
-  /// The time since the client sent a call. nullopt: the call is in the packet that was read last,
-  /// and the connection knows the age of this packet.
-  using Age = std::optional<Duration>;
-
   void acknowledge(const Session& session, std::uint64_t counter);
   void say_goodbye(ServerSession& session, SessionId to, const std::string& why);
   bool unheard_since_a_pause(const ServerSession& session) const;
@@ -53,26 +49,27 @@ class SessionPackets {
   void cancel_running(ServerSession& session, ServerCall& call);
   void answer_again(ServerSession& session, std::uint64_t counter);
 
-  // The functions below take a call from its arrival to the queue.
+  // The functions below take a call from its arrival to the queue. `age`: the time since the client
+  // sent the call.
   void arrive(const Session& session, const wire::PacketView& packet);
   void refuse_late(ServerSession& session, const wire::PacketView& packet);
-  void take_call(const Session& session, const wire::PacketView& packet, Age age = {});
+  void take_call(const Session& session, const wire::PacketView& packet, Duration age);
   void take_in_turn(const Session& session, const wire::PacketView& packet,
-                    const OperationDescription& operation, Age age);
+                    const OperationDescription& operation, Duration age);
   void admit(const Session& session, const wire::PacketView& packet,
-             const OperationDescription& operation, Age age);
+             const OperationDescription& operation, Duration age);
   std::optional<Failure> refusal(ServerSession& session, const wire::PacketView& packet,
                                  const OperationDescription& operation);
 
   // The functions below handle calls that arrive before calls that were issued earlier.
   bool too_early(ServerSession& session, const wire::PacketView& packet,
-                 const OperationDescription& operation, Age age);
+                 const OperationDescription& operation, Duration age);
   void take_early(const Session& session);
   void end_early(ServerSession& session, std::uint64_t counter, Detail how, const std::string& why);
   void cancel_later(ServerSession& session, std::uint64_t counter, std::uint64_t last);
 
   // The functions below handle calls that were first sent in a session that the client has lost.
-  void take_again(const Session& session, const wire::PacketView& packet, Age age);
+  void take_again(const Session& session, const wire::PacketView& packet, Duration age);
   void resume(const Session& session, const wire::PacketView& packet,
               std::shared_ptr<ServerCall> call);
   void reject_late(const Session& before, std::uint64_t counter);

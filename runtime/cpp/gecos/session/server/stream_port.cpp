@@ -233,8 +233,8 @@ void StreamPort::move_on(std::string_view medium) {
     found->second->move_on();
   } catch (const std::exception& failed) {  // no memory or no descriptor is left
     log_error("session", named() + " is closed over " + std::string(medium) +
-                             ": a client was excluded, and there is no new memory for the samples, "
-                             "which this client could not read: " +
+                             ": a client was excluded, and the stream cannot be moved to memory "
+                             "that this client cannot read: " +
                              failed.what());
     forget(found->second.get());
     writers_.erase(found);

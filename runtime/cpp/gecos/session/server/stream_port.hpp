@@ -88,7 +88,7 @@ class StreamPort {
 
   const std::string& object_;
   const StreamDescription& stream_;
-  Mutex mutex_;
+  FutexMutex mutex_;
   std::map<std::string_view, std::unique_ptr<media::StreamWriter>> writers_
       GECOS_GUARDED_BY(mutex_);
   /// Like the writers of the media, `clear_` sends while the mutex is held, so that the samples of

@@ -1,5 +1,5 @@
-"""Checks whether the extension gecos._core exists, is complete, and has
-the version of this package."""
+"""Checks whether the extension gecos._core exists, is complete, and has the version of this
+package."""
 
 from __future__ import annotations
 

@@ -115,8 +115,8 @@ def record(
             failure, missed = error, 0
     samples = {each: list(reader.samples) for each, reader in readers.items()}
     recording = _joined(name, interface, cycle, missed, samples, joints)
-    # The stamps are real time. Simulated time follows from the row numbers, because a simulated arm
-    # skips no cycle.
+    # The stamps are real time. Simulated time follows from the sequence numbers, because a
+    # simulated arm skips no cycle.
     if clock != 1:
         recording = replace(recording, stamp=recording.number * cycle)
     return recording, failure
