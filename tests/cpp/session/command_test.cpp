@@ -24,6 +24,16 @@ class Commands : public probe::OverMedia {
     ASSERT_TRUE(lease) << lease.error();
     lease_.emplace(std::move(*lease));
   }
+  /// Calls an operation as a program does whose interface declares the deadline on it.
+  std::shared_ptr<gecos::session::CommandCore> call_declared(
+      gecos::FunctionCode code, gecos::Duration deadline, const gecos::CallOptions& options = {}) {
+    gecos::OperationDescription declared = probe::operation(code);
+    declared.quality.deadline = deadline;
+    auto command = probe_.session()->call(
+        declared, 4, [](gecos::wire::Encoder& to) { to.put(std::int32_t{1}); }, options);
+    command->observe();
+    return command;
+  }
   probe::Probe probe_;
   std::optional<gecos::Lease> lease_;
 };
@@ -106,6 +116,49 @@ TEST_P(Commands, TimeOutWhenTheirDeadlinePassesWhileTheyExecute) {
   }
   EXPECT_EQ(end, Detail::TimedOut);
   servant_.await_event("interrupted 1");
+}
+
+TEST_P(Commands, TimeOutWhenTheDeadlinePassesThatTheirOperationDeclares) {
+  Detail end{};
+  for (gecos::Duration deadline = 50ms; servant_.events().empty() && deadline < 60s;
+       deadline *= 2) {
+    const auto move = call_declared(probe::move_code, deadline);
+    move->wait_until(gecos::deadline_after(deadline + 20s));
+    end = move->progress().detail;
+  }
+  EXPECT_EQ(end, Detail::TimedOut);
+  servant_.await_event("interrupted 1");
+}
+
+TEST_P(Commands, ThatMayBeSentAgainTimeOutWhenTheDeclaredDeadlinePasses) {
+  std::mutex mutex;
+  std::vector<gecos::IncomingCall> begun;
+  servant_.on_read([&](gecos::IncomingCall call) {
+    const std::lock_guard lock(mutex);
+    begun.push_back(std::move(call));
+  });
+  const auto any_begun = [&] {
+    const std::lock_guard lock(mutex);
+    return !begun.empty();
+  };
+  Detail end{};
+  for (gecos::Duration deadline = 50ms; !any_begun() && deadline < 60s; deadline *= 2) {
+    const auto look = call_declared(probe::look_code, deadline);
+    look->wait_until(gecos::deadline_after(deadline + 20s));
+    end = look->progress().detail;
+  }
+  EXPECT_EQ(end, Detail::TimedOut);
+  servant_.on_read(nullptr);
+  const std::lock_guard lock(mutex);
+  for (auto& call : begun) call.fail({Detail::Rejected, "enough", {}, {}});
+}
+
+TEST_P(Commands, TakeTheDeadlineOfTheirCallerInPlaceOfTheDeclaredOne) {
+  for (const auto code : {probe::set_code, probe::look_code}) {
+    const auto call = call_declared(code, 1ns, {.deadline = 1h});
+    call->wait_until(gecos::TimePoint::max());
+    EXPECT_EQ(call->progress().detail, Detail::Done) << call->failure();
+  }
 }
 
 TEST_P(Commands, AreRefusedWhenTheirClientHasTooManyWaiting) {
