@@ -315,6 +315,29 @@ void guard_probe(Child::Line& line, Kind kind) {
   line.hear();
 }
 
+/// Joins the status that is shared by a password. Whenever it is told to, commands the robot and
+/// says how that ended.
+void share_probe(Child::Line& line, Kind kind) {
+  line.hear();
+  gecos::Lab lab;
+  gecos::CreateOptions options;
+  options.medium = kind;
+  auto robot = lab.create<probe::Probe>("PROBE", options);
+  const auto lease = gecos::actor(*robot, "two hands");
+  line.say(lease ? "member" : lease.error().failure.text);
+  for (;;) {
+    line.hear();
+    const auto set = robot->set(3).get();
+    std::ostringstream said;
+    if (set) {
+      said << "done";
+    } else {
+      said << set.error();
+    }
+    line.say(said.str());
+  }
+}
+
 /// Gives back what `read` brings, after it was told to.
 void serve_echo(Child::Line& line) {
   line.hear();
@@ -528,6 +551,55 @@ TEST_P(TakerDies, AndItsMotionStopsAndTheOthersMayStartNewCommands) {
   EXPECT_EQ(servant.events(), (std::vector<std::string>{"start 1", "interrupted 1", "start 5",
                                                         "interrupted 5", "set 3"}))
       << "nothing resumes, and what the taker had queued never starts";
+}
+
+class MemberStandsStill : public ::testing::TestWithParam<Kind> {
+ protected:
+  Place place_;
+  Child silent_{[](Child::Line& line) { share_probe(line, GetParam()); }};
+  Child other_{[](Child::Line& line) { share_probe(line, GetParam()); }};
+};
+INSTANTIATE_TEST_SUITE_P(Over, MemberStandsStill, ::testing::Values(Kind::Shm, Kind::Lcm),
+                         gecos::media::name_of);
+
+TEST_P(MemberStandsStill, AndItsNextCommandEndsAsLeaseLostAndNamesWhoHasTheStatus) {
+  const BrokerHere broker;
+  probe::ProbeServant servant;
+  gecos::LabOptions patient;  // the session outlives the status
+  patient.grace = 20s;
+  gecos::Lab lab{patient};
+  gecos::Server server(lab);
+  const auto added = server.add("PROBE", servant, simulated(GetParam()));
+  ASSERT_TRUE(added) << added.error().text;
+  gecos::CreateOptions options;
+  options.medium = GetParam();
+  const auto robot = lab.create<probe::Probe>("PROBE", options);
+  ASSERT_TRUE(robot) << robot.error();
+  for (Child* const member : {&silent_, &other_}) {
+    member->line().say("go");
+    ASSERT_EQ(member->line().hear(), "member");
+    member->line().say("command");
+    ASSERT_EQ(member->line().hear(), "done");
+  }
+  silent_.signal(SIGSTOP);
+  const auto give_up = Clock::now() + 10s;
+  auto holders = gecos::holders(*robot).get();
+  while (holders && holders->size() == 2 && Clock::now() < give_up) {
+    holders = gecos::holders(*robot).get();
+  }
+  silent_.signal(SIGCONT);
+  ASSERT_TRUE(holders) << holders.error();
+  ASSERT_EQ(holders->size(), 1u) << "silence ends a status";
+  silent_.line().say("command");
+  const std::string said = silent_.line().hear();
+  EXPECT_TRUE(said.starts_with("COMMAND_FAILED/LEASE_LOST")) << said;
+  EXPECT_NE(said.find("its holder was silent for"), std::string::npos) << said;
+  const std::string other = "pid " + std::to_string(holders->front().pid) + ")";
+  EXPECT_NE(said.find(other), std::string::npos) << said << " does not name " << other;
+  other_.line().say("command");
+  EXPECT_EQ(other_.line().hear(), "done") << "it keeps the status";
+  servant.await_event("set 3");
+  EXPECT_EQ(servant.events(), (std::vector<std::string>(3, "set 3")));
 }
 
 struct LabBeforeTheFork {
