@@ -338,6 +338,34 @@ void share_probe(Child::Line& line, Kind kind) {
   }
 }
 
+constexpr std::size_t images_asked_for = 60;
+constexpr std::size_t image_bytes = 2'000'000;
+
+/// Asks for more images than shm holds. Says how many came once it has been told to take them.
+void ask_for_images(Child::Line& line) {
+  line.hear();
+  gecos::Lab lab;
+  gecos::CreateOptions options;
+  options.medium = Kind::Shm;
+  auto robot = lab.create<probe::Probe>("PROBE", options);
+  if (!robot) return line.say(robot.error().to_string());
+  std::vector<std::shared_ptr<gecos::session::CommandCore>> images;
+  for (std::size_t i = 0; i < images_asked_for; ++i) {
+    images.push_back(
+        robot->session()->call(probe::operation(probe::read_code), 4,
+                               [](gecos::wire::Encoder& to) { to.put(std::int32_t{0}); }, {}));
+  }
+  line.say("asked");
+  line.hear();
+  std::size_t came = 0;
+  for (const auto& image : images) {
+    image->wait_until(gecos::TimePoint::max());
+    if (image->progress().detail != Detail::Done) return line.say(image->failure().text);
+    came += image->result().size() == image_bytes ? 1 : 0;
+  }
+  line.say(std::to_string(came) + " images");
+}
+
 /// Gives back what `read` brings, after it was told to.
 void serve_echo(Child::Line& line) {
   line.hear();
@@ -404,6 +432,49 @@ TEST(ServerDiesAmongImages, AndEveryCallEndsAndNoMemoryIsLeft) {
     }
   }
   EXPECT_EQ(areas_seen(), 0u);
+}
+
+TEST(ClientStandsStillAmongImages, AndWhatWaitsForItHoldsUpNobodyElse) {
+  const Place place;
+  Child slow(ask_for_images);
+  const BrokerHere broker;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<gecos::IncomingCall> asked;
+  probe::ProbeServant servant;
+  servant.on_read([&](gecos::IncomingCall call) {
+    if (call.caller().pid == ::getpid()) {
+      return call.finish(4, [](gecos::wire::Encoder& to) { to.put(std::int32_t{7}); });
+    }
+    const std::lock_guard lock(mutex);
+    asked.push_back(std::move(call));
+    changed.notify_one();
+  });
+  gecos::LabOptions patient;  // with a client that stands still
+  patient.grace = 20s;
+  gecos::Lab lab{patient};
+  gecos::Server server(lab);
+  const auto added = server.add("PROBE", servant, simulated(Kind::Shm));
+  ASSERT_TRUE(added) << added.error().text;
+  gecos::CreateOptions options;
+  options.medium = Kind::Shm;
+  const auto robot = lab.create<probe::Probe>("PROBE", options);
+  ASSERT_TRUE(robot) << robot.error();
+  slow.line().say("go");
+  ASSERT_EQ(slow.line().hear(), "asked");
+  slow.signal(SIGSTOP);
+  {
+    std::unique_lock lock(mutex);
+    ASSERT_TRUE(changed.wait_for(lock, 20s, [&] { return asked.size() == images_asked_for; }));
+    const gecos::Bytes image(image_bytes);
+    for (auto& call : asked) call.finish(image);
+  }
+  const auto read = robot->read();
+  ASSERT_EQ(read.wait_for(20s), State::Finished) << "the other client has taken nothing yet";
+  EXPECT_EQ(read.get().value(), 7);
+  slow.signal(SIGCONT);
+  slow.line().say("take them");
+  EXPECT_EQ(slow.line().hear(), std::to_string(images_asked_for) + " images");
 }
 
 class ClientEnds : public ::testing::TestWithParam<Kind> {

@@ -280,6 +280,23 @@ TEST_F(ServedObjects, GivesUpLargeResultsOfAClientThatTakesNone) {
   EXPECT_EQ(reply_to(7), Detail::Done) << "it has taken them";
 }
 
+TEST_F(ServedObjects, AnswerAClientWhileResultsWaitForAnotherOneThatTakesNone) {
+  connection_->carry(32 * 1024 * 1024);
+  connection_->full = true;
+  TestConnection& slow = *connection_;
+  const std::size_t before = slow.sent.size();
+  servant_.result.resize(2'000'000);
+  for (std::uint64_t counter = 1; counter <= 60; ++counter) call(counter, probe::read_code);
+  servant_.result.clear();
+  const auto slow_session = connect();
+  call(1, probe::read_code);
+  EXPECT_EQ(reply_to(1), Detail::Done);
+  EXPECT_EQ(slow.sent.size(), before) << "the slow client has taken nothing yet";
+  slow.full = false;
+  slow_session->sender().flush();
+  EXPECT_EQ(slow.sent.size(), before + 60);
+}
+
 TEST_F(ServedObjects, PacketsThatCountNoCallAreIgnored) {
   connection_->sent.clear();
   for (const auto kind :
