@@ -3,6 +3,7 @@
 
 #include <list>
 
+#include "gecos/media/sealed/stream.hpp"
 #include "lcm_recorder.hpp"
 #include "media_under_test.hpp"
 
@@ -83,6 +84,39 @@ TEST_F(LcmSharing, TwoReadersOfOneStreamGetAllSamplesAndTheOneThatIsClosedWakesN
   one.client.connection->woke();
   EXPECT_TRUE(other.client.wait([&] { return staying->latest(1, sample); }));
   EXPECT_EQ(sample.sequence, 2U);
+}
+
+TEST_F(LcmSharing, ASampleIsOneDatagramForAllItsReaders) {
+  const auto writer = acceptor_->make_stream(100, 4);
+  const SharedStream where = dynamic_cast<SealedStreamWriter&>(*writer).stream()->where();
+  Recorder recorder(where.port, channel_name("GS", where.channel));
+  std::vector<std::unique_ptr<StreamReader>> readers;
+  for (int i = 0; i < 3; ++i) {
+    Pair& pair = connect();
+    ASSERT_TRUE(pair.server.connection->share(7, *writer));
+    readers.push_back(pair.client.wait_for_stream(7));
+    ASSERT_NE(readers.back(), nullptr);
+    // With it the server reads that the stream is open. A later reader would get a repetition.
+    ASSERT_TRUE(pair.client.send("opened"));
+    ASSERT_EQ(pair.server.receive(), "opened");
+    ASSERT_EQ(pair.server.connection->loss(), Loss::None);
+  }
+  ASSERT_TRUE(writer->publish(bytes_of("first"), 1));
+  ASSERT_TRUE(writer->publish(bytes_of("last"), 2));
+  auto reader = readers.begin();
+  for (Pair& pair : pairs_) {
+    StreamSample sample;
+    for (const std::string_view text : {"first", "last"}) {
+      ASSERT_TRUE(pair.client.wait([&] { return (*reader)->next(sample.sequence, sample); }));
+      EXPECT_EQ(text_of(sample.bytes), text);
+    }
+    ++reader;
+  }
+  const TimePoint end = too_late();
+  while (recorder.all().size() < 2 && std::chrono::steady_clock::now() < end) recorder.look();
+  recorder.look();
+  ASSERT_EQ(recorder.all().size(), 2U);
+  EXPECT_NE(recorder.all().front(), recorder.all().back());
 }
 
 }  // namespace
