@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <future>
 #include <regex>
 #include <sstream>
 
@@ -57,14 +58,45 @@ const std::vector<Row>& rows() {
   return all;
 }
 
-/// Demands that the paper's satellite keeps, and one that it does not keep.
+/// Demands that the paper's satellite keeps, and some that it does not keep.
 const std::vector<Row>& satellite_rows() {
   static const std::vector<Row> all = {
       {"class=TIME_INDEPENDENT, latency=100ms", {.latency = 100ms}},
       {"class=SOFT_REALTIME, latency=100ms", {.line = Class::SoftRealtime, .latency = 100ms}},
+      {"class=SOFT_REALTIME, latency=1us", {.line = Class::SoftRealtime, .latency = 1us}},
+      {"class=HARD_REALTIME, latency=1ms", {.line = Class::HardRealtime, .latency = 1ms}},
   };
   return all;
 }
+
+constexpr auto alarm_code = probe::function_code("probe::Probe::alarm");
+
+constexpr gecos::InwardDescription alter{.code = probe::function_code("probe::Probe::alter"),
+                                         .name = "alter",
+                                         .watchdog = 1h,
+                                         .largest = 4};
+
+/// The interface of the probe, with an event and an inward stream.
+const gecos::InterfaceDescription& description() {
+  static const auto streams = [] {
+    std::vector all(probe::description().streams.begin(), probe::description().streams.end());
+    all.push_back({.code = alarm_code, .name = "alarm", .largest = 4, .event = true});
+    std::ranges::sort(all, {}, &gecos::StreamDescription::code);
+    return all;
+  }();
+  static const auto described = [] {
+    gecos::InterfaceDescription made = probe::description();
+    made.streams = streams;
+    made.inward_streams = std::span(&alter, 1);
+    return made;
+  }();
+  return described;
+}
+
+class WatchedProbe final : public probe::ProbeServant {
+ public:
+  const gecos::InterfaceDescription& gecos_interface() const override { return description(); }
+};
 
 /// Delays every medium, or only the one that is called `only`.
 gecos::Lab delayed_lab(const std::string& only = "") {
@@ -84,8 +116,9 @@ class QualityTable : public probe::Bench {
   void SetUp() override {
     Bench::SetUp();
     gecos::ObjectOptions hardware;  // of a simulated object, HARD_REALTIME is relaxed
-    ASSERT_TRUE(server_->add("PROBE", servant_, hardware));
+    ASSERT_TRUE(server_->add("PROBE", watched_, hardware));
   }
+  void TearDown() override { server_.reset(); }  // before its servant
 
   auto created(const gecos::InterfaceDescription& wanted, std::optional<Kind> medium) {
     return gecos::session::create(gecos::session::LabAccess::context(*client_), wanted, {"PROBE"},
@@ -93,7 +126,7 @@ class QualityTable : public probe::Bench {
   }
   /// An interface that demands it: the medium that `create` takes, or why it takes none.
   std::string of_interface(const Quality& quality, std::optional<Kind> medium) {
-    gecos::InterfaceDescription wanted = probe::description();
+    gecos::InterfaceDescription wanted = description();
     wanted.quality = quality;
     const auto session = created(wanted, medium);
     return session ? std::string(session->session->capabilities().name)
@@ -106,7 +139,7 @@ class QualityTable : public probe::Bench {
     const auto read =
         std::ranges::find(operations, probe::read_code, &gecos::OperationDescription::code);
     read->quality = quality;
-    gecos::InterfaceDescription wanted = probe::description();
+    gecos::InterfaceDescription wanted = description();
     wanted.operations = operations;
     const auto session = created(wanted, medium);
     if (!session) return session.error().to_string();
@@ -118,28 +151,54 @@ class QualityTable : public probe::Bench {
                ? "DONE"
                : std::string(to_string(detail)) + ": " + call->failure().text;
   }
-  /// A stream that demands it, over a medium that the interface allows. Its getter demands nothing.
-  std::string of_stream(const Quality& quality, Kind medium) {
-    std::vector<gecos::StreamDescription> streams(probe::description().streams.begin(),
-                                                  probe::description().streams.end());
-    for (gecos::StreamDescription& stream : streams) stream.quality = quality;
-    gecos::InterfaceDescription wanted = probe::description();
+  /// A stream or event that demands it, over a medium that the interface allows. The getter of the
+  /// stream demands nothing.
+  std::string of_stream(gecos::FunctionCode code, const Quality& quality, Kind medium) {
+    std::vector<gecos::StreamDescription> streams(description().streams.begin(),
+                                                  description().streams.end());
+    const auto stream = std::ranges::find(streams, code, &gecos::StreamDescription::code);
+    stream->quality = quality;
+    gecos::InterfaceDescription wanted = description();
     wanted.streams = streams;
-    const auto created_session = created(wanted, medium);
-    if (!created_session) return created_session.error().to_string();
-    const auto opened = created_session->session->subscribe(streams.front());
-    return opened ? "OPENED"
-                  : std::string(to_string(opened.error().detail)) + ": " + opened.error().text;
+    const auto session = created(wanted, medium);
+    return session ? opened(session->session->subscribe(*stream)) : session.error().to_string();
   }
+  /// An inward stream that demands it, over a medium that the interface allows.
+  std::string of_inward_stream(const Quality& quality, Kind medium) {
+    gecos::InwardDescription stream = alter;
+    stream.quality = quality;
+    gecos::InterfaceDescription wanted = description();
+    wanted.inward_streams = std::span(&stream, 1);
+    const auto session = created(wanted, medium);
+    return session ? opened(session->session->open_writer(stream)) : session.error().to_string();
+  }
+  template <class Core>
+  static std::string opened(const tl::expected<Core, gecos::Failure>& stream) {
+    return stream ? "OPENED"
+                  : std::string(to_string(stream.error().detail)) + ": " + stream.error().text;
+  }
+  /// Fills all cells of the row at the same time: over the satellite, each takes seconds.
   void add_row(const Row& row) {
-    table_ << "@qos(" << row.written
-           << ")\n  interface: " << of_interface(row.quality, std::nullopt) << "\n";
+    struct Cell {
+      std::string name;
+      std::future<std::string> text;
+    };
+    std::vector<Cell> cells;
+    const auto add = [&](const std::string& name, auto text) {
+      cells.push_back({name, std::async(std::launch::async, text)});
+    };
+    const Quality& quality = row.quality;
+    add("interface", [&] { return of_interface(quality, std::nullopt); });
     for (const Kind medium : gecos::media::all_kinds()) {
-      table_ << "  interface over " << to_string(medium) << ": "
-             << of_interface(row.quality, medium) << "\n  operation over " << to_string(medium)
-             << ": " << of_operation(row.quality, medium) << "\n  stream over " << to_string(medium)
-             << ": " << of_stream(row.quality, medium) << "\n";
+      const std::string over = " over " + std::string(to_string(medium));
+      add("interface" + over, [&, medium] { return of_interface(quality, medium); });
+      add("operation" + over, [&, medium] { return of_operation(quality, medium); });
+      add("stream" + over, [&, medium] { return of_stream(probe::level_code, quality, medium); });
+      add("event" + over, [&, medium] { return of_stream(alarm_code, quality, medium); });
+      add("inward stream" + over, [&, medium] { return of_inward_stream(quality, medium); });
     }
+    table_ << "@qos(" << row.written << ")\n";
+    for (Cell& cell : cells) table_ << "  " << cell.name << ": " << cell.text.get() << "\n";
   }
   /// Moves the figures of the table out of the text, which is the same in every run.
   std::vector<double> take_figures(std::string& text) {
@@ -153,6 +212,7 @@ class QualityTable : public probe::Bench {
     return found;
   }
 
+  WatchedProbe watched_;
   gecos::Lab far_ = delayed_lab();
   gecos::Lab* client_ = &lab_;
   gecos::Duration accepted_{};  ///< what the program asks for in `create`
