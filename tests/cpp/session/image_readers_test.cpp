@@ -1,6 +1,7 @@
 // Readers of one stream of images in processes of their own: some read on, one dies with a sample
 // that it was lent, one stands still for a while.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <csignal>
@@ -36,6 +37,13 @@ class Camera final : public images::IdleCamera {
     return loan.publish() ? written : nullptr;
   }
 };
+
+/// Returns how often this thread has let go of its core to wait for something.
+long times_waited() {
+  rusage used{};
+  EXPECT_EQ(::getrusage(RUSAGE_THREAD, &used), 0);
+  return used.ru_nvcsw;
+}
 
 /// Returns which file has the memory at `address`, and at which offset.
 std::string place_in_file(const void* address) {
@@ -127,7 +135,11 @@ TEST_P(ImageReaders, InOtherProcessesShareOneMemoryAndNeverDelayTheWriter) {
   ASSERT_EQ(dying_.line().hear(), "keeps");
   dying_.kill_at_once();
   frozen.signal(SIGSTOP);
+  const long before = times_waited();
   while (++number < last_picture) ASSERT_NE(camera.show(number), nullptr) << number;
+  if (GetParam() == Kind::Shm) {
+    EXPECT_EQ(times_waited(), before) << "the writer has waited for a reader";
+  }
   frozen.signal(SIGCONT);
   const std::uint8_t* const written = camera.show(last_picture);
   ASSERT_NE(written, nullptr);
