@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <memory>
 #include <random>
 #include <vector>
+
+#include "gecos/media/inproc/inproc.hpp"
+#include "gecos/media/sealed/inward.hpp"
 
 namespace gecos::qos {
 namespace {
@@ -84,8 +89,9 @@ TEST(Reception, AWriterThatItselfShowsThatItLivesIsDeadFromAMissedDeadlineToTheN
   EXPECT_TRUE(reads.writer_alive());
 }
 
-// A random schedule beside a model that is not incremental: it keeps everything that happened, and
-// derives each answer and each count from the definitions in docs/gidl.md.
+// A random schedule of the real buffers of samples beside a model that is not incremental: it keeps
+// everything that happened, and derives each answer and each count from the definitions in
+// docs/gidl.md.
 
 struct Published {
   std::uint64_t sequence;
@@ -100,10 +106,70 @@ struct Look {
   Way way;
 };
 
+/// The samples of a stream between its writer and one reader. The bytes of a sample are of no
+/// interest here.
+class Buffer {
+ public:
+  virtual ~Buffer() = default;
+  virtual bool loses() const = 0;  ///< some samples do not arrive
+  virtual void write(const Published& sample) = 0;
+  /// Opens the stream: from now on `reader` may be used. `newest`: the newest sample, if any.
+  virtual void open(const std::optional<Published>& newest) = 0;
+  std::unique_ptr<media::StreamReader> reader;
+};
+
+/// A ring in memory, whose slots the reader reads while the writer goes on.
+class Ring final : public Buffer {
+ public:
+  explicit Ring(std::size_t depth) : writer_(acceptor_->make_stream(8, depth)) {}
+  bool loses() const override { return false; }
+  void write(const Published& sample) override {
+    EXPECT_TRUE(writer_->publish({}, 0));
+    EXPECT_EQ(writer_->newest(), sample.sequence);
+  }
+  void open(const std::optional<Published>&) override {
+    EXPECT_TRUE(server_->share(1, *writer_));
+    reader = client_->open_stream(1);
+  }
+
+ private:
+  const std::unique_ptr<media::Medium> medium_ = media::make_inproc();
+  const std::unique_ptr<media::Acceptor> acceptor_ = medium_->listen("RING", false).value();
+  const std::unique_ptr<media::Connection> client_ = medium_->connect(acceptor_->address()).value();
+  const std::unique_ptr<media::Connection> server_ = acceptor_->accept();
+  const std::unique_ptr<media::StreamWriter> writer_;
+};
+
+/// What a reader keeps of samples that arrive as datagrams.
+class Arrived final : public Buffer {
+ public:
+  explicit Arrived(std::size_t depth) : samples_(std::make_shared<media::SampleBuffer>(depth)) {}
+  bool loses() const override { return true; }
+  void write(const Published& sample) override {
+    if (sample.arrives && reader) samples_->put(sample.sequence, 0, {});
+  }
+  void open(const std::optional<Published>& newest) override {
+    if (newest) samples_->put(newest->sequence, 0, {});  // its writer repeats it
+    reader = std::make_unique<media::InwardReader>(samples_);
+  }
+
+ private:
+  const std::shared_ptr<media::SampleBuffer> samples_;
+};
+
 class World {
  public:
-  World(std::uint32_t seed, const Quality& terms)
-      : random_(seed), terms_(terms), reads_(terms, start, std::nullopt) {}
+  World(std::uint32_t seed, const Quality& terms, Buffer& buffer)
+      : random_(seed), terms_(terms), buffer_(buffer), reads_(terms, start, std::nullopt) {
+    for (auto before = pick(0, 2 * static_cast<std::int64_t>(terms.depth)); before > 0; --before) {
+      publish();
+    }
+    if (!published_.empty()) {
+      published_.back().arrives = true;
+      joined_at_ = published_.back().sequence;
+    }
+    buffer_.open(published_.empty() ? std::nullopt : std::optional(published_.back()));
+  }
 
   void step() {
     now_ += Duration(pick(0, 9) == 0 ? pick(0, 60'000) : pick(0, 4'000));
@@ -137,15 +203,20 @@ class World {
 
   void publish() {
     const auto late = Duration(pick(0, 7) == 0 ? pick(0, 30'000) : 0);
-    published_.push_back({published_.size() + 1, now_ - late, pick(0, 19) != 0});
+    const bool arrives = !buffer_.loses() || pick(0, 19) != 0;
+    published_.push_back({published_.size() + 1, now_ - late, arrives});
+    buffer_.write(published_.back());
   }
 
-  /// The samples that the medium still has for the reader, the oldest first.
+  /// The samples that the medium still has for the reader, the oldest first: as many as the depth,
+  /// of those that arrived since the reader joined.
   std::vector<Published> stored() const {
     std::vector<Published> there;
-    for (const Published& each : published_) {
-      if (each.arrives && each.sequence + terms_.depth > published_.size()) there.push_back(each);
+    for (auto each = published_.rbegin(); each != published_.rend(); ++each) {
+      if (there.size() == terms_.depth || each->sequence < joined_at_) break;
+      if (each->arrives) there.push_back(*each);
     }
+    std::ranges::reverse(there);
     return there;
   }
 
@@ -155,6 +226,10 @@ class World {
       if (each.sequence <= last_read()) continue;
       if (!found || way == Way::Newest) found = each;
     }
+    media::StreamSample sample;
+    const bool read = way == Way::InOrder ? buffer_.reader->next(last_read(), sample)
+                                          : buffer_.reader->latest(last_read(), sample);
+    EXPECT_EQ(read ? sample.sequence : 0, found ? found->sequence : 0);
     looks_.push_back({now_, found, way});
     if (found) {
       EXPECT_EQ(reads_.take(way, found->sequence, found->measured, now_), fresh(*found));
@@ -246,14 +321,17 @@ class World {
 
   std::mt19937 random_;
   const Quality terms_;
+  Buffer& buffer_;
   Reception reads_;
   TimePoint now_ = start;
   std::vector<Published> published_;
+  std::uint64_t joined_at_ = 0;  ///< the newest sample when the reader opened the stream
   std::vector<Look> looks_;
   std::optional<std::size_t> told_of_;
 };
 
-TEST(Reception, GivesAndReportsExactlyWhatAModelPredictsOnRandomSchedules) {
+template <class Kept>
+void judge_random_schedules() {
   constexpr int steps = 300;  // each derives its answers from all that came before
   for (std::uint32_t seed = 0; seed < 400; ++seed) {
     Quality terms;
@@ -261,11 +339,20 @@ TEST(Reception, GivesAndReportsExactlyWhatAModelPredictsOnRandomSchedules) {
     if (seed % 2 != 0) terms.lifespan = Duration(1'000 + 7'919 * (seed % 5));
     if (seed % 3 != 0) terms.deadline = Duration(1'500 + 5'003 * (seed % 4));
     if (seed % 4 >= 2) terms.liveliness = Liveliness::Manual;
-    World world(seed, terms);
+    Kept buffer(terms.depth);
+    World world(seed, terms, buffer);
     for (int step = 0; step < steps; ++step) world.step();
     world.compare();
-    if (HasFailure()) FAIL() << "seed " << seed;
+    if (::testing::Test::HasFailure()) FAIL() << "seed " << seed;
   }
+}
+
+TEST(Reception, GivesAndReportsExactlyWhatAModelPredictsOfARingOnRandomSchedules) {
+  judge_random_schedules<Ring>();
+}
+
+TEST(Reception, GivesAndReportsExactlyWhatAModelPredictsOfDatagramsOnRandomSchedules) {
+  judge_random_schedules<Arrived>();
 }
 
 }  // namespace

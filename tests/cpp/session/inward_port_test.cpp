@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 #include "../inward/in_words.hpp"
 #include "../robcl/allocations.hpp"
 #include "gecos/media/sealed/inward.hpp"
@@ -23,7 +26,9 @@ constexpr InwardDescription stream{.code = FunctionCode{300},
 
 /// A session with a stream in memory. What it sends names it rightly unless told otherwise.
 struct Sender {
-  explicit Sender(std::uint64_t session) : header{SessionId{session}, Epoch{3}, 0} {
+  explicit Sender(std::uint64_t session, std::size_t depth = 4)
+      : header{SessionId{session}, Epoch{3}, 0},
+        samples(std::make_shared<media::SampleBuffer>(depth)) {
     standing->set(access::Status::Actor, Epoch{3});
   }
   Feeder feeder(std::uint32_t id = 1) const {
@@ -42,7 +47,7 @@ struct Sender {
   InwardHeader header;
   Duration difference{};
   std::uint64_t sequence = 0;
-  std::shared_ptr<media::SampleBuffer> samples = std::make_shared<media::SampleBuffer>(4);
+  std::shared_ptr<media::SampleBuffer> samples;
   std::shared_ptr<FeedStanding> standing = std::make_shared<FeedStanding>();
 };
 
@@ -442,6 +447,145 @@ TEST_F(Port, ReadingAndRefusingAllocateNothing) {
   round();
   EXPECT_FALSE(port_.expired());
   EXPECT_EQ(counted.so_far(), 0);
+}
+
+// A random schedule beside a model that is not incremental: it keeps every sample that was sent and
+// when it was read, and derives each answer and each count from the definitions.
+
+class InwardWorld {
+ public:
+  InwardWorld(std::uint32_t seed, const InwardDescription& described)
+      : random_(seed), stream_(described) {
+    port_.add(sender_.feeder(writer_));
+  }
+
+  void step() {
+    clock_.advance(Duration(pick(0, 9) == 0 ? pick(0, 60'000) : pick(0, 4'000)));
+    switch (pick(0, 19)) {
+      case 0:
+        return replace_writer();
+      case 1:
+        return;  // nothing happens for a while
+      default:
+        return pick(0, 1) == 0 ? send() : next();
+    }
+  }
+
+ private:
+  struct Sent {
+    std::uint32_t writer;
+    std::uint64_t sequence;
+    double value;
+    TimePoint measured;
+    std::optional<TimePoint> read{};
+  };
+
+  std::int64_t pick(std::int64_t least, std::int64_t most) {
+    return std::uniform_int_distribution<std::int64_t>(least, most)(random_);
+  }
+
+  void send() {
+    // A negative delay is that of a sender whose clock is ahead.
+    const Duration late(pick(0, 3) == 0 ? pick(-2'000, 30'000) : 0);
+    const TimePoint measured = clock_.since_boot() - late;
+    const auto value = static_cast<double>(sent_.size());
+    sender_.send(value, measured);
+    sent_.push_back({writer_, sender_.sequence, value, measured});
+  }
+
+  void replace_writer() {
+    sender_.samples = std::make_shared<media::SampleBuffer>(stream_.quality.depth);
+    sender_.sequence = 0;
+    port_.add(sender_.feeder(++writer_));
+  }
+
+  void next() {
+    std::optional<double> expected;
+    for (Sent* const each : stored()) {
+      each->read = clock_.since_boot();
+      if (too_old(*each)) continue;
+      expected = each->value;
+      break;
+    }
+    std::optional<double> got;
+    if (port_.next(raw_, Unfed::Taken)) {
+      wire::Decoder from(raw_.value);
+      EXPECT_TRUE(from.get(got.emplace(), "value"));
+    }
+    EXPECT_EQ(got, expected);
+    const FeedReport report = port_.report();
+    EXPECT_EQ(report.admitted,
+              count([&](const Sent& each) { return each.read && !too_old(each); }));
+    EXPECT_EQ(report.too_old, count([&](const Sent& each) { return each.read && too_old(each); }));
+    EXPECT_EQ(report.lost, lost());
+    EXPECT_EQ(report.expired, watchdog_expired());
+    EXPECT_EQ(port_.expired(), watchdog_expired());
+  }
+
+  // What the definitions say.
+  bool of_this_writer(const Sent& sample) const { return sample.writer == writer_; }
+  /// What the buffer still has for the servant, the oldest first.
+  std::vector<Sent*> stored() {
+    std::vector<Sent*> there;
+    for (Sent& each : sent_) {
+      const bool kept = each.sequence + stream_.quality.depth > sender_.sequence;
+      if (of_this_writer(each) && kept && !each.read) there.push_back(&each);
+    }
+    return there;
+  }
+  static Duration age(const Sent& sample) {
+    return std::max(*sample.read - sample.measured, Duration::zero());
+  }
+  bool too_old(const Sent& sample) const {
+    const auto beyond = [&](Duration limit) { return limit > Duration{} && age(sample) > limit; };
+    return beyond(stream_.watchdog) || beyond(stream_.quality.lifespan);
+  }
+  /// Counts the unread samples of earlier writers, and those before a sample that was read.
+  std::uint64_t lost() const {
+    std::uint64_t newest_read = 0;
+    for (const Sent& each : sent_) {
+      if (of_this_writer(each) && each.read) newest_read = std::max(newest_read, each.sequence);
+    }
+    return count([&](const Sent& each) {
+      return !each.read && (!of_this_writer(each) || each.sequence < newest_read);
+    });
+  }
+  bool watchdog_expired() const {
+    if (stream_.watchdog == Duration{}) return false;
+    return std::ranges::none_of(sent_, [&](const Sent& each) {
+      if (!each.read || too_old(each)) return false;
+      return clock_.since_boot() - std::min(each.measured, *each.read) <= stream_.watchdog;
+    });
+  }
+  template <class Which>
+  std::uint64_t count(const Which& which) const {
+    return static_cast<std::uint64_t>(std::ranges::count_if(sent_, which));
+  }
+
+  std::mt19937 random_;
+  const InwardDescription stream_;
+  FakeClock clock_;
+  PauseWatch pauses_;
+  NameClaim claim_;
+  access::ObjectPresence presence_{""};
+  InwardPort port_{stream_, clock_, pauses_, claim_, presence_};
+  Sender sender_{9, stream_.quality.depth};
+  RawInward raw_;
+  std::uint32_t writer_ = 1;
+  std::vector<Sent> sent_;
+};
+
+TEST(InwardPort, AdmitsAndCountsExactlyWhatAModelPredictsOnRandomSchedules) {
+  constexpr int steps = 300;  // each derives its answers from all that came before
+  for (std::uint32_t seed = 0; seed < 210; ++seed) {
+    InwardDescription described = stream;
+    described.quality.depth = 1 + seed % 7;
+    described.watchdog = seed % 3 == 0 ? Duration{} : Duration(1'500 + 5'003 * (seed % 4));
+    if (seed % 2 != 0) described.quality.lifespan = Duration(1'000 + 7'919 * (seed % 5));
+    InwardWorld world(seed, described);
+    for (int step = 0; step < steps; ++step) world.step();
+    if (::testing::Test::HasFailure()) FAIL() << "seed " << seed;
+  }
 }
 
 }  // namespace
