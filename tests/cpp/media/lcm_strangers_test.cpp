@@ -198,23 +198,55 @@ TEST_F(LcmStrangers, AStreamThatWasRepeatedOrOvertakenNeverGoesBack) {
   EXPECT_FALSE(reader->next(2, sample));
 }
 
+/// Sends nothing, and keeps the last datagram for the test.
+class HoldingPort final : public DatagramPort {
+ public:
+  tl::expected<std::uint64_t, MediumError> subscribe(const std::string&, Take) override {
+    return 0;
+  }
+  void unsubscribe(std::uint64_t) override {}
+  int descriptor() const override { return -1; }
+  bool pump(int) override { return false; }
+  bool publish(const std::string&, ByteView datagram) override {
+    held.assign(datagram.begin(), datagram.end());
+    return true;
+  }
+  Bytes held;
+};
+
 TEST_F(LcmStrangers, AReaderCannotForgeASampleToTheOthers) {
-  const auto writer = acceptor_->make_stream(100, 4);
-  ASSERT_TRUE(server_.connection->share(1, *writer));
+  const auto port = std::make_shared<HoldingPort>();
+  const auto made = acceptor_->make_stream(100, 4);
+  SealedStreamWriter writer(std::make_shared<SealedStream>(
+      port, dynamic_cast<SealedStreamWriter&>(*made).stream()->where()));
+  ASSERT_TRUE(server_.connection->share(1, writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);
-  const SharedStream& where = dynamic_cast<SealedStreamWriter&>(*writer).stream()->where();
+  ASSERT_TRUE(writer.publish(bytes_of("true"), 1));
+  const Bytes by_the_writer = port->held;
+  const SharedStream where = writer.stream()->where();
+  // The forger has the stream's key, as every reader, and not what the writer signs with.
+  const auto sealed_again = [&](std::string_view sample, bool keep_signature) {
+    Bytes datagram = by_the_writer;
+    const ByteView header = ByteView(datagram).first(DatagramHeader::bytes);
+    const auto frame = std::span(datagram).subspan(DatagramHeader::bytes);
+    const auto text =
+        frame.subspan(crypto::Sealer::text_at, frame.size() - crypto::Sealer::overhead);
+    const auto tag = frame.last<crypto::tag_bytes>();
+    EXPECT_TRUE(crypto::aead_open(where.key.key, 0, header, text, tag));
+    std::ranges::copy(bytes_of(sample), text.begin() + stamp_bytes);
+    if (!keep_signature) {
+      std::ranges::fill(text.last(crypto::StreamSealer::signature_bytes), std::byte{});
+    }
+    crypto::aead_seal(where.key.key, 0, header, text, tag);
+    return datagram;
+  };
+  ASSERT_EQ(sealed_again("true", true), by_the_writer) << "all but the signature is right";
   const auto forger = LcmPort::open({}, where.port).value();
-  // It has the stream's key, as every reader, and not what the writer signs with.
-  Bytes forged(DatagramHeader::bytes + crypto::StreamSealer::overhead + 8 + 3);
-  DatagramHeader{.kind = DatagramKind::Sample}.write(
-      std::span(forged).first<DatagramHeader::bytes>());
-  const std::span<std::byte> frame = std::span(forged).subspan(DatagramHeader::bytes);
-  const std::size_t text = frame.size() - crypto::Sealer::overhead;
-  crypto::aead_seal(where.key.key, 0, ByteView(forged).first(DatagramHeader::bytes),
-                    frame.subspan(crypto::Sealer::text_at, text), frame.last<crypto::tag_bytes>());
-  forger->publish(channel_name("GS", where.channel), forged);
-  ASSERT_TRUE(writer->publish(bytes_of("true"), 1));
+  const std::string channel = channel_name("GS", where.channel);
+  forger->publish(channel, sealed_again("lies", true));
+  forger->publish(channel, sealed_again("lies", false));
+  forger->publish(channel, by_the_writer);
   StreamSample sample;
   ASSERT_TRUE(client_.wait([&] { return reader->next(0, sample); }));
   EXPECT_EQ(text_of(sample.bytes), "true");

@@ -420,6 +420,34 @@ TEST_F(ShmHostile, WhoNeverTakesLargePacketsFillsOnlyItsOwnArea) {
   expect_served();
 }
 
+TEST_F(ShmHostile, AReaderCannotWriteTheMemoryOfAStream) {
+  const Scribbler reader(acceptor_->address());
+  const auto connection = wait_for_client(*acceptor_);
+  ASSERT_NE(connection, nullptr);
+  const auto writer = acceptor_->make_stream(64, 4);
+  ASSERT_TRUE(connection->share(1, *writer));
+  shm::ReceivedControl got;
+  while (got.message.type != ControlType::Share) {
+    ASSERT_EQ(shm::receive_control(reader.socket.get(), got), shm::ControlRead::Message);
+  }
+  const int memfd = got.descriptors[0].get();
+  const std::size_t size = StreamMemory::bytes(got.message.largest, got.message.depth);
+  const auto map = [&](int descriptor, int rights) {
+    return ::mmap(nullptr, size, rights, MAP_SHARED, descriptor, 0);
+  };
+  void* const read = map(memfd, PROT_READ);
+  ASSERT_NE(read, MAP_FAILED);
+  EXPECT_NE(::mprotect(read, size, PROT_READ | PROT_WRITE), 0);
+  EXPECT_EQ(::munmap(read, size), 0);
+  EXPECT_EQ(map(memfd, PROT_READ | PROT_WRITE), MAP_FAILED);
+  EXPECT_EQ(errno, EPERM);
+  EXPECT_EQ(::pwrite(memfd, "x", 1, 0), -1);
+  const std::string path = "/proc/self/fd/" + std::to_string(memfd);
+  const Descriptor opened_again(::open(path.c_str(), O_RDWR | O_CLOEXEC));
+  ASSERT_TRUE(opened_again);
+  EXPECT_EQ(map(opened_again.get(), PROT_READ | PROT_WRITE), MAP_FAILED);
+}
+
 /// A server that answers a client's Hello and then does what it likes.
 class HostileServer {
  public:

@@ -2,6 +2,7 @@
 // end. SCHEDULES and SCHEDULES_SEED ask for others.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <future>
 
@@ -84,6 +85,44 @@ TEST_P(Schedules, StartNothingForACallerThatWasToldAnEndAndEndEachCommandOnce) {
               told.freezes, told.begun_in_vain);
   EXPECT_TRUE(told.alarms.empty()) << ::testing::PrintToString(told.alarms);
   EXPECT_GT(told.begun_in_vain, 0u) << "no freeze fell between mark and handler";
+}
+
+/// The handler of a command begins whose caller was told OUTCOME_UNKNOWN after its mark.
+class BegunInVain : public ::testing::Test {
+ protected:
+  static const OperationDescription& operation(std::string_view name) {
+    return *std::ranges::find(bench().operations, name, &OperationDescription::name);
+  }
+  std::size_t begin(std::string_view name, int freeze) {
+    const TimePoint marked = now_;
+    const std::size_t number = judge_.issued(operation(name), now_, Duration{});
+    auto command = std::make_shared<PendingCommand>(Failure{Detail::OutcomeUnknown, "", {}, {}});
+    command->observe();
+    judge_.sent(number, std::move(command));
+    judge_.look(now_ += std::chrono::seconds(1));
+    judge_.began(number, marked, now_ += std::chrono::seconds(1), freeze);
+    return number;
+  }
+  TimePoint now_{std::chrono::hours(1)};
+  Judge judge_;
+};
+
+TEST_F(BegunInVain, IsOneCommandForEachFreeze) {
+  begin("tap", 1);
+  begin("file", 2);
+  EXPECT_TRUE(judge_.alarms().empty()) << judge_.alarms().front();
+  begin("tap", 2);
+  EXPECT_EQ(judge_.alarms().size(), 1U);
+}
+
+TEST_F(BegunInVain, IsOneParallelCommandForEachThatRuns) {
+  begin("glide", 1);
+  const auto second = begin("glide", 1);
+  EXPECT_TRUE(judge_.alarms().empty()) << judge_.alarms().front();
+  judge_.finished(second);
+  begin("glide", 1);
+  EXPECT_EQ(judge_.alarms().size(), 1U);
+  EXPECT_EQ(judge_.begun_in_vain(), 3U);
 }
 
 class Mutants : public ::testing::TestWithParam<Mutant> {};

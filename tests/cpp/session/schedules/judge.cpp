@@ -26,6 +26,11 @@ bool runs_alone(const OperationDescription& operation) {
   return operation.status != access::Status::Sensor && !operation.parallel;
 }
 
+/// Any number of such handlers of an object may run at a time.
+bool runs_beside_others(const OperationDescription& operation) {
+  return operation.status != access::Status::Sensor && operation.parallel;
+}
+
 }  // namespace
 
 std::size_t Judge::issued(const OperationDescription& operation, TimePoint now, Duration deadline) {
@@ -73,6 +78,16 @@ void Judge::began(std::size_t number, TimePoint marked, TimePoint now, int freez
   ++begun_in_vain_;
   if (runs_alone(*entry.operation) && ++vain_by_freeze_[freeze] > 1)
     alarm(number, "is the second that began in vain after one freeze");
+  if (runs_beside_others(*entry.operation) && ++vain_beside_others_[freeze] > running_beside())
+    alarm(number, "is one more that began in vain after one freeze than run beside each other");
+}
+
+/// How many @parallel commands run, each on a thread of its own that a freeze may hold before the
+/// handler.
+std::size_t Judge::running_beside() const {
+  return static_cast<std::size_t>(std::ranges::count_if(commands_, [](const Entry& entry) {
+    return runs_beside_others(*entry.operation) && entry.begun != 0 && !entry.finished;
+  }));
 }
 
 bool Judge::all_ended() const {

@@ -58,11 +58,13 @@ class Judge {
     int begun = 0;
     bool finished = false;
   };
+  std::size_t running_beside() const;
   void alarm(std::size_t number, const std::string& what);
 
   const Trace trace_;
   std::vector<Entry> commands_;
   std::map<int, int> vain_by_freeze_;
+  std::map<int, std::size_t> vain_beside_others_;  ///< likewise, of @parallel commands
   std::size_t begun_in_vain_ = 0;
   std::optional<TimePoint> died_;
   std::optional<TimePoint> woke_;
