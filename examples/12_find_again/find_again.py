@@ -1,30 +1,25 @@
 """Watches the tool of an arm, whenever the arm is there: start, end and kill `robcl-rx90` as you
 like. Ctrl-C ends this program."""
 
-import time
-
 import gecos
 from robcl.manipulator import Manipulator
 
 
-def watch(robot: Manipulator) -> None:
-    """Reads until the server is lost."""
-    tool = robot.tool.stream()
-    print(f"found: the tool is at {tool.next(timeout=5.0).value}", flush=True)
-    for _ in tool:
-        pass  # use each sample here
-
-
 def main() -> None:
     lab = gecos.Lab()
-    while True:  # a proxy does not outlive the server that it was created for: create a new one
+    # A proxy does not outlive the server that it was created for: the stream creates a new one.
+    tool = gecos.ReconnectingStream(lab, Manipulator, "RX90", lambda robot: robot.tool.stream())
+    found = False
+    while True:
         try:
-            watch(lab.create(Manipulator, "RX90"))
-        except gecos.CreateError as error:
-            print(f"not found: {error}", flush=True)
-            time.sleep(0.5)  # before the next try
-        except (gecos.StreamLost, gecos.CommandFailed, gecos.ConnectionFailed):
-            print("lost", flush=True)
+            sample = tool.next(timeout=1.0)  # use each sample here
+        except (TimeoutError, gecos.CreateError) as missing:
+            print("lost" if found else f"not found: {missing}", flush=True)
+            found = False
+            continue
+        if not found:
+            print(f"found: the tool is at {sample.value}", flush=True)
+        found = True
 
 
 if __name__ == "__main__":

@@ -37,6 +37,14 @@ class Cold(gecos.DeclaredError):  # as gidl writes an exception without members
 def refuse() -> None:
     raise Cold()
 
+def find(lab: gecos.Lab) -> str:
+    found = gecos.Reconnecting(lab, Lamp, "LAMP")
+    with gecos.ReconnectingStream(lab, Lamp, "LAMP", lambda lamp: lamp.level.stream()) as levels:
+        value: float = levels.next(1.0).value
+        lamp: Lamp | None = levels.proxy
+        print(value, lamp)
+    return found.call(lambda there: there.label().result())
+
 async def wait(lamp: Lamp) -> str:
     async for sample in lamp.level.stream():
         print(sample.value, sample.lost)
@@ -45,12 +53,14 @@ async def wait(lamp: Lamp) -> str:
 
 
 WRONG = """
+import gecos
 from lamp import Lamp
 
-def wrong(lamp: Lamp) -> None:
+def wrong(lamp: Lamp, found: gecos.Reconnecting[Lamp]) -> None:
     lamp.shine("bright")
     result: str = lamp.dim(2.0).result()
     lamp.level.stream().next().value.upper()
+    found.get().shine("bright")
 """
 
 
@@ -81,9 +91,10 @@ def test_wrong_programs_are_found(findings: list[str]) -> None:
         'Incompatible types in assignment (expression has type "float", variable has type "str")  '
         "[assignment]",
         '"float" has no attribute "upper"  [attr-defined]',
+        'Argument 1 to "shine" of "Lamp" has incompatible type "str"; expected "float"  [arg-type]',
     ]
 
 
 def test_nothing_else_is_found(findings: list[str]) -> None:
     ours = [line for line in findings if "right.py" not in line and "wrong.py" not in line]
-    assert ours == ["Found 3 errors in 1 file (checked 2 source files)"]
+    assert ours == ["Found 4 errors in 1 file (checked 2 source files)"]

@@ -82,6 +82,8 @@ if TYPE_CHECKING:
     from gecos.proxy import StreamAttribute as StreamAttribute
     from gecos.proxy import reference as reference
     from gecos.proxy import with_deadline as with_deadline
+    from gecos.reconnecting import Reconnecting as Reconnecting
+    from gecos.reconnecting_stream import ReconnectingStream as ReconnectingStream
     from gecos.servant import Servant as Servant
     from gecos.server import Server as Server
     from gecos.server import serve as serve
@@ -109,6 +111,8 @@ _NAMES = {
     "proxy": "Event Object StreamAttribute reference with_deadline",
     "builtin_operations": "Outcome break_status deny describe give_back holders model outcome ping "
     "requests roster stats stop take_over",
+    "reconnecting": "Reconnecting",
+    "reconnecting_stream": "ReconnectingStream",
     "servant": "Servant",
     "server": "Server serve",
     "stream": "Sample Stream StreamCounts",

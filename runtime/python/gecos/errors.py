@@ -255,3 +255,19 @@ class UnobservedCommandWarning(RuntimeWarning):
 
 class DroppedLeaseWarning(RuntimeWarning):
     """A lease was dropped, and so released, before any command was issued under it."""
+
+
+_MAY_PASS = {
+    Detail.NO_SERVER,
+    Detail.NOT_STARTED,
+    Detail.SERVER_CRASHED,
+    Detail.OUTCOME_UNKNOWN,
+}
+
+
+def may_pass(error: CreateError | CommandFailed | ConnectionFailed) -> bool:
+    """Returns whether the failure of a connection may disappear when an object or a broker is
+    started."""
+    if isinstance(error, CreateError):
+        return any(attempt.detail in _MAY_PASS for attempt in error.attempts)
+    return error.detail in _MAY_PASS

@@ -70,7 +70,7 @@ class Lab:
         A reference is valid only while the server process that it refers to serves the object,
         because a restarted process may have another state. A nil reference is refused.
         """
-        table, incarnation = _table_of(interface), 0
+        table, incarnation = table_of(interface), 0
         if isinstance(names, str):
             wanted = [names]
         elif isinstance(names, Sequence):
@@ -118,7 +118,7 @@ class Lab:
         """
         from gecos.explanation import Explanation, MediumVerdict, UnsuitedMember, Violation
 
-        told = self._core.explain(_table_of(interface), name, patience)
+        told = self._core.explain(table_of(interface), name, patience)
         if isinstance(told, list):
             raise CreateError([Attempt(tried, Detail(d), reason) for tried, d, reason in told])
 
@@ -143,7 +143,7 @@ class Lab:
 
         Raises CreateError, which lists the attempts.
         """
-        opened = self._core.broker(_table_of(interface), patience)
+        opened = self._core.broker(table_of(interface), patience)
         if isinstance(opened, str):
             raise CreateError([Attempt("BROKER", Detail.NO_SERVER, opened)])
         return interface(opened)
@@ -151,7 +151,7 @@ class Lab:
     def _at(self, interface: type[P], address: str, patience: float) -> P | str:
         """Connects to the object at an address, without a broker. Only the built-in operations can
         be called. Returns the reason if this fails."""
-        opened = self._core.session_at(_table_of(interface), address, patience)
+        opened = self._core.session_at(table_of(interface), address, patience)
         return opened if isinstance(opened, str) else interface(opened)
 
     def objects(
@@ -212,10 +212,10 @@ class Lab:
 def _name_of(interface: type[Object] | str | None) -> str:
     if interface is None or isinstance(interface, str):
         return interface or ""
-    return _table_of(interface).name
+    return table_of(interface).name
 
 
-def _table_of(interface: type[Object]) -> Interface:
+def table_of(interface: type[Object]) -> Interface:
     if isinstance(interface, type) and issubclass(interface, Object):
         return interface._gecos_interface
     given = f"the class {interface.__name__}" if isinstance(interface, type) else repr(interface)

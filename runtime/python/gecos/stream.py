@@ -193,6 +193,15 @@ class Stream(Generic[T]):
         sample."""
         return self._core.alive()
 
+    @property
+    def _is_event(self) -> bool:
+        return self._after is not None
+
+    @property
+    def _is_gone(self) -> bool:
+        """True once the session of the stream is lost. False after the Lab was closed."""
+        return self._core.loss_text() != ""
+
     def __iter__(self) -> Iterator[Sample[T]]:
         while True:
             try:

@@ -13,7 +13,14 @@ from gecos.builtin_operations import model
 from gecos.dynamic_client.model import ModelError
 from gecos.dynamic_client.proxy import DynamicObject, proxy_class
 from gecos.dynamic_client.silence import silent_since, told
-from gecos.errors import Attempt, CommandFailed, ConnectionFailed, CreateError, Detail
+from gecos.errors import (
+    Attempt,
+    CommandFailed,
+    ConnectionFailed,
+    CreateError,
+    Detail,
+    may_pass,
+)
 from gecos.interface import Interface
 from gecos.proxy import Object
 
@@ -30,13 +37,6 @@ BROKER = "BROKER"
 
 _ASK_ANYWAY = 1.0  # time in s after which a server that did not answer is asked again
 _LEAST_PATIENCE = 0.2  # s; the last attempt of a wait gets this patience if less time is left
-_MAY_PASS = {
-    Detail.NO_SERVER,
-    Detail.NOT_STARTED,
-    Detail.SERVER_CRASHED,
-    Detail.OUTCOME_UNKNOWN,
-}
-"""The failures that may disappear when an object or a broker is started."""
 
 
 def entries(lab: Lab, *, patience: float = 2.0) -> list[Entry]:
@@ -84,9 +84,9 @@ def find(
             except (CreateError, CommandFailed, ConnectionFailed) as error:
                 now = time.monotonic()
                 cut_short = patience < given and now >= began + patience
-                if told is None or not cut_short or not _may_pass(error):
+                if told is None or not cut_short or not may_pass(error):
                     told = error
-                if now >= end or not _may_pass(error):
+                if now >= end or not may_pass(error):
                     raise told from None
             changes = changes or opened.enter_context(lab.watch())
             _await_change(changes, name, min(end, time.monotonic() + _ASK_ANYWAY))
@@ -110,12 +110,6 @@ def _find_now(lab: Lab, name: str, medium: str | None, patience: float) -> Objec
         if silence is None:
             raise
         raise silence from None
-
-
-def _may_pass(error: CreateError | CommandFailed | ConnectionFailed) -> bool:
-    if isinstance(error, CreateError):
-        return any(attempt.detail in _MAY_PASS for attempt in error.attempts)
-    return error.detail in _MAY_PASS
 
 
 def _await_change(changes: ObjectWatch, name: str, until: float) -> None:
