@@ -289,11 +289,13 @@ def test_policy_refuses_a_file_with_an_error(file: Path, run: Run) -> None:
 def test_gecos_up_refuses_the_same_errors_of_the_lists(file: Path) -> None:
     programs = '[programs.A]\nrun = ["a"]\n'
     file.write_text(programs)
-    assert not read_laboratory(file).names_users
+    assert not read_laboratory(file).tables_for_programs
     file.write_text(programs + '[allow]\nusers = ["anna"]\n')
-    assert read_laboratory(file).names_users
+    assert read_laboratory(file).tables_for_programs
     file.write_text(programs + '[names]\nA = "anna@cell"\n')
-    assert read_laboratory(file).names_users
+    assert read_laboratory(file).tables_for_programs == ("names",)
+    file.write_text(programs + "[streams]\nopen = false\n[media.lcm]\nreal_time = true\n")
+    assert read_laboratory(file).tables_for_programs == ("media", "streams")
     file.write_text(programs + '[allow]\nuser = ["anna"]\n')
     with pytest.raises(LaboratoryFileError) as refused:
         read_laboratory(file)

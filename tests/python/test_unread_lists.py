@@ -16,6 +16,24 @@ def edit(file: Path, text: str, at: int) -> None:
     os.utime(file, (at, at))
 
 
+@pytest.mark.parametrize(
+    ("tables", "named"),
+    [
+        ("[media.shm]\nreal_time = false\n", "[media]"),
+        ("[streams]\nopen = false\n[media.lcm]\nreal_time = true\n", "[media], [streams]"),
+    ],
+)
+def test_other_tables_that_programs_read_are_told_of(
+    tmp_path: Path, tables: str, named: str
+) -> None:
+    file = tmp_path / "lab.toml"
+    edit(file, PROGRAM, 1)
+    lists = UnreadLists(read_laboratory(file))
+    assert lists.appeared() == ""
+    edit(file, PROGRAM + tables, 2)
+    assert lists.appeared().startswith(f"{file} now has {named}. The running programs do not read")
+
+
 @pytest.mark.parametrize("table", ["allow", "admin", "objects.LDS.allow"])
 def test_the_first_list_of_a_file_is_told_of_once(tmp_path: Path, table: str) -> None:
     file = tmp_path / "lab.toml"
@@ -25,7 +43,7 @@ def test_the_first_list_of_a_file_is_told_of_once(tmp_path: Path, table: str) ->
     edit(file, PROGRAM + f'[{table}]\nuser = ["anna"]\n', 2)
     assert lists.appeared() == "", "it has an error"
     edit(file, PROGRAM + f'[{table}]\nusers = ["anna"]\n', 3)
-    assert lists.appeared().startswith(f"{file} now has lists of users or objects")
+    assert lists.appeared().startswith(f"{file} now has [{table.split('.')[0]}]. ")
     edit(file, PROGRAM + f'[{table}]\nusers = ["ben"]\n', 4)
     assert lists.appeared() == ""
 

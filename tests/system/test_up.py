@@ -74,7 +74,7 @@ def test_a_program_that_ends_is_told_of_and_the_others_go_on(
     assert up.finish() == 0, str(up)
 
 
-def test_programs_are_given_the_file_if_it_says_who_may_connect(
+def test_programs_are_given_the_file_if_it_has_tables_for_them(
     lab: Laboratory, tmp_path: Path
 ) -> None:
     lab.env.pop("GECOS_LAB_FILE", None)
@@ -83,8 +83,9 @@ def test_programs_are_given_the_file_if_it_says_who_may_connect(
         'ready = "file"\n'
     )
     file = tmp_path / "lab.toml"
-    for text, given in ((program, ""), (program + '[allow]\nusers = ["anna"]\n', str(file))):
-        file.write_text(text)
+    tables = ("", '[allow]\nusers = ["anna"]\n', "[media.shm]\nreal_time = false\n")
+    for table, given in zip(tables, ("", str(file), str(file)), strict=True):
+        file.write_text(program + table)
         up = lab.start(*GECOS, "up", file, ready="SHOW is ready; Ctrl-C ends them")
         assert f"[SHOW] file={given}." in up.output()
         up.signal(signal.SIGINT)
@@ -98,7 +99,7 @@ def test_lists_that_are_added_later_are_told_of_once(lab: Laboratory, tmp_path: 
     up = lab.start(*GECOS, "up", file, ready="A is ready; Ctrl-C ends them")
     file.write_text(f'{program}[objects.LDS.allow]\nuser = ["anna"]\n')  # with an error
     file.write_text(f'{program}[objects.LDS.allow]\nusers = ["anna"]\n')
-    told = f"up: {file} now has lists of users or objects. The running programs do not read these"
+    told = f"up: {file} now has [objects]. The running programs do not read the file: "
     up.wait_for(told)
     up.signal(signal.SIGINT)
     assert up.finish() == 0, str(up)

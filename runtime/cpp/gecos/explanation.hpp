@@ -30,6 +30,9 @@ struct MediumVerdict {
   /// The operations and streams that cannot be used in a session over this medium. Empty if
   /// suitable() is false, because no session is then opened over this medium.
   std::vector<UnsuitedMember> members;
+  /// What the lab file states, if the interface or a member demands HARD_REALTIME and only this
+  /// statement permits it over the medium: "[media.lcm] in lab.toml:2 says that lcm is real-time".
+  std::string real_time_by;
 
   bool suitable() const { return unreachable.empty() && violations.empty(); }
 };
@@ -47,6 +50,7 @@ struct Explanation {
 /// Returns violated terms in one line: "media=shm: lcm is not one of these media; …".
 std::string to_string(const std::vector<qos::Violation>& violations);
 /// Prints a line for each medium: "shm: chosen", "lcm: media=shm: lcm is not one of these media".
+/// Below a medium, prints `real_time_by` and the members that cannot be used.
 std::ostream& operator<<(std::ostream& out, const Explanation& explanation);
 
 }  // namespace gecos

@@ -108,7 +108,7 @@ nb::object explain(LabHandle& self, nb::handle interface, const std::string& nam
       members.append(nb::make_tuple(member.name, terms_of(member.violations), member.samples_only));
     }
     media.append(nb::make_tuple(each.medium, each.address, each.unreachable,
-                                terms_of(each.violations), members));
+                                terms_of(each.violations), members, each.real_time_by));
   }
   return nb::make_tuple(told->interface_name, told->hostname, told->simulated, media);
 }

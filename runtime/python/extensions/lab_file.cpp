@@ -10,6 +10,7 @@
 
 #include "bind.hpp"
 #include "gecos/binding.hpp"
+#include "gecos/media/kinds.hpp"
 #include "waiting.hpp"
 
 namespace gecos::python {
@@ -19,7 +20,7 @@ namespace nb = nanobind;
 using User = std::pair<std::string, std::string>;
 
 std::optional<std::string> lab_file_problem(const std::string& text, const std::string& file) {
-  const auto lists = access::parse_lab_file(text, file);
+  const auto lists = access::parse_lab_file(text, file, media::all_names());
   if (lists) return std::nullopt;
   return to_string(lists.error());
 }
@@ -27,7 +28,7 @@ std::optional<std::string> lab_file_problem(const std::string& text, const std::
 std::pair<bool, std::string> may_connect(const std::string& text, const std::string& file,
                                          const User& server, const User& who,
                                          const std::string& object) {
-  auto lists = access::parse_lab_file(text, file);
+  auto lists = access::parse_lab_file(text, file, media::all_names());
   if (!lists) throw nb::value_error(to_string(lists.error()).c_str());
   const access::AccessPolicy policy{.lab = *std::move(lists)};
   auto decision = policy.decide({server.first, server.second}, {who.first, who.second}, object);
@@ -36,14 +37,14 @@ std::pair<bool, std::string> may_connect(const std::string& text, const std::str
 
 std::pair<bool, std::string> may_register(const std::string& text, const std::string& file,
                                           const User& who, const std::string& name) {
-  const auto lists = access::parse_lab_file(text, file);
+  const auto lists = access::parse_lab_file(text, file, media::all_names());
   if (!lists) throw nb::value_error(to_string(lists.error()).c_str());
   auto decision = access::may_register(*lists, name, access::UserAtHost{who.first, who.second});
   return {decision.allowed, std::move(decision.text)};
 }
 
 std::string forbids_open_streams(const std::string& text, const std::string& file) {
-  const auto lists = access::parse_lab_file(text, file);
+  const auto lists = access::parse_lab_file(text, file, media::all_names());
   if (!lists) throw nb::value_error(to_string(lists.error()).c_str());
   return lists->forbids_open_streams;
 }

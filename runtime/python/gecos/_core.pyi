@@ -29,7 +29,7 @@ class Lab:
             str,
             str,
             bool,
-            list[tuple[str, str, str, _Violations, list[tuple[str, _Violations, bool]]]],
+            list[tuple[str, str, str, _Violations, list[tuple[str, _Violations, bool]], str]],
         ]
         | list[tuple[str, int, str]]
     ):

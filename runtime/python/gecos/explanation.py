@@ -46,6 +46,10 @@ class MediumVerdict:
     unreachable: str  # why this program cannot reach the object over it; "" if it can
     violations: tuple[Violation, ...]  # terms of the interface's `@qos` that are not met
     members: tuple[UnsuitedMember, ...]  # only if the medium is suitable
+    real_time_by: str = ""
+    """What the lab file states, if the interface or a member demands HARD_REALTIME and only this
+    statement permits it over the medium. For example "[media.lcm] in lab.toml:2 says that lcm is
+    real-time"."""
 
     @property
     def suitable(self) -> bool:
@@ -74,6 +78,8 @@ class Explanation:
         for i, each in enumerate(self.media):
             chosen = "chosen" if i == 0 else "used if no medium above it answers"
             lines.append(f"  {each.medium}: {each.reason or chosen}")
+            if each.real_time_by:
+                lines.append(f"    {each.real_time_by}")
             for member in each.members:
                 lines.append(f"    not {member.what}: {member.reason}")
         return "\n".join(lines)

@@ -133,8 +133,9 @@ class Lab:
                 unreachable,
                 violated(terms),
                 tuple(UnsuitedMember(it, violated(its), alone) for it, its, alone in members),
+                real_time_by,
             )
-            for medium, address, unreachable, terms, members in media
+            for medium, address, unreachable, terms, members, real_time_by in media
         )
         return Explanation(name, interface_name, hostname, simulated, tuple(verdicts))
 

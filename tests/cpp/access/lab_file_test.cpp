@@ -4,21 +4,23 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
 namespace gecos::access {
 namespace {
 
 const std::string path = "lab.toml";
+constexpr std::array<std::string_view, 3> media = {"inproc", "shm", "lcm"};
 
 LabAccess lists_in(const std::string& text) {
-  auto lists = parse_lab_file(text, path);
+  auto lists = parse_lab_file(text, path, media);
   EXPECT_TRUE(lists) << to_string(lists.error());
   return lists.value_or(LabAccess{});
 }
 
 std::string error_in(const std::string& text) {
-  const auto lists = parse_lab_file(text, path);
+  const auto lists = parse_lab_file(text, path, media);
   return lists ? "no error" : to_string(lists.error());
 }
 
@@ -174,6 +176,21 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
       {"[streams]\nclosed = true",
        "lab.toml:2: streams.closed: this key is unknown; known keys are open"},
       {"streams = false", "lab.toml:1: streams: a table is expected"},
+      {"[media.lmc]\nreal_time = true",
+       "lab.toml:1: media.lmc: this key is unknown; known keys are inproc, shm, lcm"},
+      {"[media.shn]\nreal_time = true",
+       "lab.toml:1: media.shn: this key is unknown; did you mean shm?"},
+      {"[media.lcm]\nrealtime = true",
+       "lab.toml:2: media.lcm.realtime: this key is unknown; did you mean real_time?"},
+      {"[media.lcm]\nreal_time = \"yes\"",
+       "lab.toml:2: media.lcm.real_time: true or false is expected"},
+      {"[media.shm]\nreal_time = true\n[media.lcm]\n",
+       "lab.toml:3: media.lcm: this table is empty; write real_time = true or real_time = false"},
+      {"[media]\nlcm = true", "lab.toml:2: media.lcm: a table is expected"},
+      {"media = [\"lcm\"]", "lab.toml:1: media: a table is expected"},
+      {"[medium.lcm]\nreal_time = true",
+       "lab.toml:1: medium: this key is unknown; known keys are admin, allow, broker, clock, "
+       "media, names, objects, programs, streams"},
       {"allow = 3", "lab.toml:1: allow: a table is expected"},
       {"objects = []", "lab.toml:1: objects: a table is expected"},
       {"[objects]\nRX90 = 1", "lab.toml:2: objects.RX90: a table is expected"},
@@ -209,12 +226,55 @@ TEST(LabFile, WithAnErrorInAListSaysWhereTheBrokerIs) {
   EXPECT_EQ(broker->address, "lcm");
 }
 
+LabMedia media_in(const std::string& text) {
+  auto stated = parse_lab_media(text, path, media);
+  EXPECT_TRUE(stated) << to_string(stated.error());
+  return stated.value_or(LabMedia{});
+}
+
+TEST(LabFile, SaysWhichMediaAreRealTime) {
+  const LabMedia stated =
+      media_in("[media.lcm]\nreal_time = true\n\n[media.shm]\n# a VM\nreal_time = false\n");
+  ASSERT_EQ(stated.size(), 2u);
+  EXPECT_TRUE(stated.at("lcm").real_time);
+  EXPECT_EQ(stated.at("lcm").place, "[media.lcm] in lab.toml:2");
+  EXPECT_FALSE(stated.at("shm").real_time);
+  EXPECT_EQ(stated.at("shm").place, "[media.shm] in lab.toml:6");
+  for (const char* const text : {"", "[media]\n", "[broker]\naddress = \"lcm\"\n"}) {
+    EXPECT_TRUE(media_in(text).empty()) << text;
+  }
+}
+
+TEST(LabFile, WithAnErrorInAListSaysWhichMediaAreRealTime) {
+  const LabMedia stated = media_in("[allow]\nuser = \"anna\"\n[media.lcm]\nreal_time = true\n");
+  EXPECT_TRUE(stated.contains("lcm"));
+}
+
+TEST(LabFile, WithAnErrorInMediaOrAnUnknownTableSaysNothingAboutMedia) {
+  for (const auto& [text, why] :
+       {std::pair("[media.lcm]\nreal_time = 1\n",
+                  "lab.toml:2: media.lcm.real_time: true or false is expected"),
+        {"[meda.lcm]\nreal_time = true\n",
+         "lab.toml:1: meda: this key is unknown; did you mean media?"}}) {
+    const auto stated = parse_lab_media(text, path, media);
+    ASSERT_FALSE(stated) << text;
+    EXPECT_EQ(to_string(stated.error()), why);
+  }
+}
+
+TEST(LabFile, WithAnErrorInMediaSaysWhereTheBrokerIs) {
+  const auto broker =
+      parse_lab_broker("[media.lmc]\nreal_time = true\n[broker]\naddress = \"lcm\"\n", path);
+  ASSERT_TRUE(broker) << to_string(broker.error());
+  EXPECT_EQ(broker->address, "lcm");
+}
+
 // Edits
 
 LabFileError missing() { return {path, 0, "", "the file cannot be read"}; }
 
 TEST(EditedLabFile, KeepsTheListsOfTheLastTextWithoutAnError) {
-  EditedLabFile file(path);
+  EditedLabFile file(path, media);
   EXPECT_FALSE(file.known());
   EXPECT_FALSE(file.take("[allow]\nusers = [\"anna\"]"));
   EXPECT_TRUE(file.known());
@@ -245,7 +305,7 @@ TEST(EditedLabFile, AgreesWithAModelOverAHundredThousandRandomSchedules) {
   std::mt19937_64 random(16);
   std::size_t reports = 0;
   for (int schedule = 0; schedule < 100'000; ++schedule) {
-    EditedLabFile file(path);
+    EditedLabFile file(path, media);
     std::string in_force;
     std::size_t last = texts.size();
     for (int edit = 0; edit < 4; ++edit) {

@@ -46,6 +46,20 @@ TEST(Match, HardRealtimeNeedsAMediumWithoutLossOrSharedQueue) {
   EXPECT_EQ(found[0].why, "the medium lcm shares a queue with other programs and may lose packets");
 }
 
+TEST(Match, HardRealtimeGoesByTheStatementOfTheLaboratory) {
+  const Quality asked{.line = Class::HardRealtime};
+  LineCapabilities loaded = shm;
+  loaded.stated = {false, "[media.shm] in lab.toml:4 says that shm is not real-time"};
+  const auto found = violations(asked, loaded);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].term, "class=HARD_REALTIME");
+  EXPECT_EQ(found[0].why, "[media.shm] in lab.toml:4 says that shm is not real-time");
+  EXPECT_TRUE(violations({.line = Class::SoftRealtime}, loaded).empty());
+  LineCapabilities separate = lcm;
+  separate.stated = {true, "[media.lcm] in lab.toml:2 says that lcm is real-time"};
+  EXPECT_TRUE(violations(asked, separate).empty());
+}
+
 TEST(Match, ReliableNeedsSomebodyWhoRepeats) {
   LineCapabilities bare = lcm;
   bare.reliable = false;
@@ -152,6 +166,16 @@ TEST(Rank, WhatDoesNotFitIsLeftOut) {
   EXPECT_EQ(rank({.line = Class::HardRealtime}, lines), (std::vector<std::size_t>{1}));
 }
 
+TEST(Rank, DoesNotGoByTheStatementsOfTheLaboratory) {
+  LineCapabilities loaded = shm;
+  loaded.stated = {false, "no"};
+  LineCapabilities separate = lcm;
+  separate.stated = {true, "yes"};
+  const std::array lines{separate, loaded};
+  EXPECT_EQ(rank({}, lines), (std::vector<std::size_t>{1, 0}));
+  EXPECT_EQ(rank({.line = Class::HardRealtime}, lines), (std::vector<std::size_t>{0}));
+}
+
 TEST(Choose, GivesTheBest) {
   const std::array lines{lcm, shm};
   EXPECT_EQ(choose({}, lines).value(), 1U);
@@ -165,6 +189,14 @@ TEST(Choose, ListsEveryMediumAndTheTermItViolates) {
             "no medium meets the required quality; latency=1ms: shm was measured at 3ms; "
             "class=HARD_REALTIME: the medium lcm shares a queue with other programs and may lose "
             "packets");
+}
+
+TEST(Choose, ListsAReasonThatHoldsForSeveralMediaOnce) {
+  std::array lines{shm, lcm};
+  for (auto& line : lines) line.stated = {false, "the lab file cannot be used"};
+  EXPECT_EQ(choose({.line = Class::HardRealtime}, lines).error(),
+            "no medium meets the required quality; class=HARD_REALTIME: the lab file cannot be "
+            "used");
 }
 
 TEST(Choose, SaysWhenThereIsNothingToChooseFrom) {

@@ -172,7 +172,7 @@ TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
   entry.hostname = "robots";
   entry.addresses = {"shm:/tmp/theirs/PROBE.12.1.sock"};
   const auto why = [&] {
-    return gecos::session::Selection(runtime, entry, {}, std::nullopt).why_none();
+    return gecos::session::Selection(runtime, entry, {}, {}, std::nullopt).why_none();
   };
   entry.host = runtime.host_identity() + "0";
   EXPECT_EQ(why(),
@@ -195,7 +195,8 @@ TEST_F(Create, RefusesHardRealtimeOnAMediumThatCannotUnlessSimulated) {
   const gecos::qos::Quality hard{.line = gecos::qos::Class::HardRealtime};
   const auto selection = [&](bool simulated) {
     return gecos::session::Selection(*LabAccess::context(lab_).value()->runtime(), entry,
-                                     gecos::session::demanded_of(hard, simulated), std::nullopt);
+                                     gecos::session::demanded_of(hard, simulated), {},
+                                     std::nullopt);
   };
   EXPECT_TRUE(selection(false).best_first().empty());
   EXPECT_EQ(selection(false).why_none(),

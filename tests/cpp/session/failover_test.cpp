@@ -7,6 +7,7 @@
 #include "gecos/gecos.hpp"
 #include "place.hpp"
 #include "probe.hpp"
+#include "written_lab_file.hpp"
 
 namespace {
 
@@ -24,7 +25,7 @@ const auto grace = gecos::LabOptions{}.grace;
 
 /// Serves PROBE; says each look that comes. With `answers` it gives 40 and which it was asked for,
 /// else nothing, ever.
-void serve_probe(Child::Line& line, Kind kind, bool answers) {
+void serve_probe(Child::Line& line, Kind kind, bool answers, bool simulated = true) {
   line.hear();
   gecos::Lab lab;
   probe::ProbeServant servant;
@@ -41,7 +42,7 @@ void serve_probe(Child::Line& line, Kind kind, bool answers) {
   });
   gecos::Server server(lab);
   gecos::ObjectOptions options;
-  options.simulated = true;
+  options.simulated = simulated;
   options.media = {kind};
   const auto added = server.add("PROBE", servant, options);
   line.say(added ? "ready" : added.error().text);
@@ -201,6 +202,48 @@ TEST_P(Failover, EndsWithItsLab) {
   await_detail(look, Detail::Unreachable);
   lab.reset();
   EXPECT_EQ(look.wait(), State::CommandFailed);
+}
+
+/// A Probe whose interface demands HARD_REALTIME.
+class HardProbe : public probe::Probe {
+ public:
+  static const gecos::InterfaceDescription& gecos_description() {
+    static const gecos::InterfaceDescription described = [] {
+      gecos::InterfaceDescription demanding = probe::description();
+      demanding.quality.line = gecos::qos::Class::HardRealtime;
+      return demanding;
+    }();
+    return described;
+  }
+  HardProbe() = default;
+  explicit HardProbe(std::shared_ptr<gecos::session::ClientSession> session)
+      : gecos::Object(session), Probe(session) {}
+};
+
+TEST(FailoverOfHardRealtime, GoesByWhatTheLabFileStatesThen) {
+  const Place place;
+  const auto hardware = [](bool answers) {
+    return [answers](Child::Line& line) { serve_probe(line, Kind::Shm, answers, false); };
+  };
+  Child first(hardware(false)), second(hardware(true));
+  const BrokerHere broker;
+  const probe::WrittenLabFile file;
+  gecos::Lab lab({.lab_file = file.path()});
+  first.line().say("go");
+  ASSERT_EQ(first.line().hear(), "ready");
+  const auto robot = lab.create<HardProbe>("PROBE");
+  ASSERT_TRUE(robot) << robot.error();
+  const auto look = robot->look(1);
+  ASSERT_EQ(first.line().hear(), "look 1");
+  file.write("[media.shm]\nreal_time = false\n");
+  first.kill_at_once();
+  second.line().say("go");
+  ASSERT_EQ(second.line().hear(), "ready");
+  EXPECT_EQ(look.wait(), State::CommandFailed);
+  const std::string why = look.get().error().text;
+  EXPECT_NE(why.find("[media.shm] in " + file.path() + ":2 says that shm is not real-time"),
+            std::string::npos)
+      << why;
 }
 
 }  // namespace

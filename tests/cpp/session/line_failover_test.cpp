@@ -6,6 +6,7 @@
 #include "bench.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/media/testing/faulty.hpp"
+#include "written_lab_file.hpp"
 
 namespace {
 
@@ -23,10 +24,12 @@ struct Delays {
 };
 Delays delays;
 
-gecos::Lab delayed_lab() {
+gecos::Lab delayed_lab(const std::string& lab_file = "") {
   static const gecos::SystemClock clock;
+  gecos::LabOptions options = probe::patient();
+  options.lab_file = lab_file;
   return gecos::session::LabAccess::with_media(
-      probe::patient(), [](std::unique_ptr<gecos::media::Medium> inner) {
+      std::move(options), [](std::unique_ptr<gecos::media::Medium> inner) {
         const std::string_view medium = inner->capabilities().name;
         if (medium != "shm" && medium != "lcm") return inner;
         const auto& delay = medium == "shm" ? delays.shm : delays.lcm;
@@ -70,6 +73,22 @@ class ReliableMobile : public Mobile {
   }
   ReliableMobile() = default;
   explicit ReliableMobile(std::shared_ptr<gecos::session::ClientSession> session)
+      : gecos::Object(session), Mobile(session) {}
+};
+
+/// A Mobile that demands HARD_REALTIME.
+class HardMobile : public Mobile {
+ public:
+  static const gecos::InterfaceDescription& gecos_description() {
+    static const gecos::InterfaceDescription described = [] {
+      gecos::InterfaceDescription demanding = Mobile::gecos_description();
+      demanding.quality.line = gecos::qos::Class::HardRealtime;
+      return demanding;
+    }();
+    return described;
+  }
+  HardMobile() = default;
+  explicit HardMobile(std::shared_ptr<gecos::session::ClientSession> session)
       : gecos::Object(session), Mobile(session) {}
 };
 
@@ -288,6 +307,26 @@ TEST_F(LineFailover, WithAStreamThatMustLoseNoSampleTheSessionStaysOffLcm) {
             "medium");
   servant_.publish(1);
   EXPECT_EQ(level->next(60s)->value, 1) << "the stream goes on";
+}
+
+TEST_F(LineFailover, WithHardRealtimeTheSessionMovesOnlyToAMediumThatTheLabFileCallsRealTime) {
+  const probe::WrittenLabFile file;
+  for (const bool stated : {false, true}) {
+    delays.shm = 0;
+    gecos::Lab lab = delayed_lab(file.path());
+    const auto robot = lab.create<HardMobile>("PROBE", {.patience = 20s});
+    ASSERT_TRUE(robot) << robot.error();
+    ASSERT_EQ(medium_of(*robot), "shm");
+    LineWatch watch(*robot);
+    if (stated) file.write("[media.lcm]\nreal_time = true\n");  // after the session was opened
+    slow_down(delays.shm);
+    const LineState state = await(watch, 2);
+    EXPECT_EQ(state.medium, stated ? "lcm" : "shm") << state.why;
+    if (stated) continue;
+    EXPECT_NE(state.why.find("PROBE stays on shm: "), std::string::npos) << state.why;
+    EXPECT_NE(state.why.find("class=HARD_REALTIME: the medium lcm "), std::string::npos)
+        << state.why;
+  }
 }
 
 TEST_F(LineFailover, AMediumThatTheProgramHasChosenIsKept) {

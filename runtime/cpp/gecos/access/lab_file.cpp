@@ -19,11 +19,12 @@ namespace {
 
 using Keys = std::span<const std::string_view>;
 
-constexpr std::array<std::string_view, 8> known_tables = {
-    "admin", "allow", "broker", "clock", "names", "objects", "programs", "streams"};
+constexpr std::array<std::string_view, 9> known_tables = {
+    "admin", "allow", "broker", "clock", "media", "names", "objects", "programs", "streams"};
 constexpr std::array<std::string_view, 1> streams_keys = {"open"};
 constexpr std::array<std::string_view, 2> broker_keys = {"address", "start"};
 constexpr std::array<std::string_view, 1> clock_keys = {"speed"};
+constexpr std::array<std::string_view, 1> medium_keys = {"real_time"};
 constexpr std::array<std::string_view, 4> program_keys = {"environment", "ready", "restart", "run"};
 constexpr std::array<std::string_view, 3> object_keys = {"allow", "sources", "zone"};
 constexpr std::array<std::string_view, 2> allow_keys = {"hosts", "users"};
@@ -62,9 +63,11 @@ class LabFileReader {
  public:
   explicit LabFileReader(const std::string& file) : file_(file) {}
 
-  LabAccess read(const toml::table& root) const {
+  LabAccess read(const toml::table& root, MediaNames media_names) const {
     LabAccess lab{.file = file_};
-    broker(root);  // called only because it throws the errors in [broker]
+    // These two are called only because they throw the errors in their tables.
+    broker(root);
+    media(root, media_names);
     if (const auto* clock = find(root, "clock", "clock")) {
       admit_only(*clock, "clock.", clock_keys);
     }
@@ -113,6 +116,24 @@ class LabFileReader {
     }
     return {address->ref<std::string>(),
             "[broker] in " + file_ + ":" + std::to_string(line_of(address->source()))};
+  }
+
+  LabMedia media(const toml::table& root, MediaNames names) const {
+    admit_only(root, "", known_tables);  // an unknown table may be a misspelt [media]
+    if (const auto* const all = find(root, "media", "media")) admit_only(*all, "media.", names);
+    LabMedia stated;
+    for_each_table(root, "media", [&](const auto& name, const auto& table, const auto& place) {
+      admit_only(table, place + ".", medium_keys);
+      const toml::node* const real_time = flag(table, "real_time", place + ".real_time");
+      if (real_time == nullptr) {
+        refuse(table.source(), place,
+               "this table is empty; write real_time = true or real_time = false");
+      }
+      stated.emplace(name, LabMedium{real_time->value_or(false),
+                                     "[" + place + "] in " + file_ + ":" +
+                                         std::to_string(line_of(real_time->source()))});
+    });
+    return stated;
   }
 
  private:
@@ -278,9 +299,10 @@ std::string to_string(const LabFileError& error) {
 }
 
 tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
-                                                     const std::string& file) {
-  return parse(text, file,
-               [](const auto& reader, const toml::table& root) { return reader.read(root); });
+                                                     const std::string& file, MediaNames media) {
+  return parse(text, file, [&](const auto& reader, const toml::table& root) {
+    return reader.read(root, media);
+  });
 }
 
 tl::expected<LabBroker, LabFileError> parse_lab_broker(const std::string& text,
@@ -289,7 +311,15 @@ tl::expected<LabBroker, LabFileError> parse_lab_broker(const std::string& text,
                [](const auto& reader, const toml::table& root) { return reader.broker(root); });
 }
 
-EditedLabFile::EditedLabFile(std::string file) : lists_{.file = std::move(file)} {}
+tl::expected<LabMedia, LabFileError> parse_lab_media(const std::string& text,
+                                                     const std::string& file, MediaNames media) {
+  return parse(text, file, [&](const auto& reader, const toml::table& root) {
+    return reader.media(root, media);
+  });
+}
+
+EditedLabFile::EditedLabFile(std::string file, MediaNames media)
+    : lists_{.file = std::move(file)}, media_(media) {}
 
 std::optional<LabFileError> EditedLabFile::take(const Text& now) {
   std::string text = now ? *now : to_string(now.error());
@@ -297,7 +327,8 @@ std::optional<LabFileError> EditedLabFile::take(const Text& now) {
   taken_ = std::move(text);
   readable_ = now.has_value();
   error_.reset();
-  auto lists = now.and_then([&](const std::string& it) { return parse_lab_file(it, lists_.file); });
+  auto lists =
+      now.and_then([&](const std::string& it) { return parse_lab_file(it, lists_.file, media_); });
   if (!lists) return error_ = std::move(lists.error());
   lists_ = *std::move(lists);
   known_ = true;

@@ -1,8 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "gecos/access/access_policy.hpp"
 #include "gecos/base/result.hpp"
@@ -19,12 +23,16 @@ struct LabFileError {
 };
 std::string to_string(const LabFileError& error);
 
+/// The names of all media, which a lab file may use in [media.NAME].
+using MediaNames = std::span<const std::string_view>;
+
 /// Reads the text of a lab file, the `lab.toml` of a laboratory. Returns the rules in the tables
 /// [admin], [allow], [names], [objects.NAME] and [streams]. Checks [broker] as `parse_lab_broker`
-/// does. In the tables that only `gecos up` reads ([clock] and [programs.NAME]), checks that each
-/// key is known. Error messages contain `file`, the path of the file.
+/// does, and [media.NAME] as `parse_lab_media` does. In the tables that only `gecos up` reads
+/// ([clock] and [programs.NAME]), checks that each key is known. Error messages contain `file`, the
+/// path of the file.
 tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
-                                                     const std::string& file);
+                                                     const std::string& file, MediaNames media);
 
 /// The address of a laboratory's broker, as the table [broker] of a lab file states it.
 struct LabBroker {
@@ -40,6 +48,24 @@ struct LabBroker {
 tl::expected<LabBroker, LabFileError> parse_lab_broker(const std::string& text,
                                                        const std::string& file);
 
+/// What a table [media.NAME] of a lab file states about its medium.
+struct LabMedium {
+  bool real_time = false;  ///< whether the medium is real-time in this laboratory
+  /// Where this is written, for messages: "[media.lcm] in /etc/gecos/lab.toml:2".
+  std::string place{};
+};
+
+/// What a lab file states about media, by the name of the medium. A medium without an entry keeps
+/// its own promise.
+using LabMedia = std::map<std::string, LabMedium, std::less<>>;
+
+/// Returns what the text of a lab file states about the media. Fails if a table [media.NAME] has an
+/// error, if NAME is not in `media`, if another table is unknown, which may be a misspelt [media],
+/// and if the text is not TOML. As for `parse_lab_broker`, errors within other tables do not
+/// matter.
+tl::expected<LabMedia, LabFileError> parse_lab_media(const std::string& text,
+                                                     const std::string& file, MediaNames media);
+
 /// The access lists of a lab file that is edited while a server runs. While the edited text has an
 /// error, the lists of the last valid text stay in force.
 class EditedLabFile {
@@ -47,7 +73,8 @@ class EditedLabFile {
   using Text = tl::expected<std::string, LabFileError>;
 
   /// @param file the path of the lab file, for error messages
-  explicit EditedLabFile(std::string file);
+  /// @param media the names of all media; they must outlive this object
+  EditedLabFile(std::string file, MediaNames media);
 
   /// Takes the present text of the file, or the error that occurred when the file was read. Returns
   /// the error that the caller must report. Returns nullopt when `now` is valid, and when `now`
@@ -67,6 +94,7 @@ class EditedLabFile {
   bool known_ = false;
   std::optional<LabFileError> error_{};
   LabAccess lists_;
+  MediaNames media_;
 };
 
 }  // namespace gecos::access

@@ -51,6 +51,15 @@ std::optional<Kind> kind_of(std::string_view address) {
 
 std::span<const Kind> all_kinds() { return kinds; }
 
+std::span<const std::string_view> all_names() {
+  static const auto names = [] {
+    std::array<std::string_view, kinds.size()> all;
+    std::ranges::transform(kinds, all.begin(), to_string);
+    return all;
+  }();
+  return names;
+}
+
 Reach reach_of(Kind kind) { return registration_of(kind).capabilities.reach; }
 
 bool within_process(std::span<const Kind> kinds) {

@@ -34,6 +34,8 @@ std::optional<Kind> kind_from(std::string_view name);
 /// Returns the medium of an address, which is the name before the first ':'.
 std::optional<Kind> kind_of(std::string_view address);
 std::span<const Kind> all_kinds();
+/// Returns the names of all media, in the order of all_kinds().
+std::span<const std::string_view> all_names();
 Reach reach_of(Kind kind);
 /// Returns whether `kinds` is not empty and has only media that stay within this process.
 bool within_process(std::span<const Kind> kinds);

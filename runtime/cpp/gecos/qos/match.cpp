@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <tuple>
+#include <utility>
 
 namespace gecos::qos {
 namespace {
@@ -12,6 +13,13 @@ std::string measured(const LineCapabilities& line) {
   const auto& [round_trip, answered] = *line.latency;
   return line.name + (answered ? " was measured at " : " gave no answer within ") +
          with_unit(round_trip);
+}
+
+/// Returns why HARD_REALTIME is not possible over `line`; an empty text when it is.
+std::string why_not_real_time(const LineCapabilities& line) {
+  if (line.stated) return line.stated->real_time ? "" : line.stated->text;
+  if (line.real_time) return "";
+  return "the medium " + line.name + " shares a queue with other programs and may lose packets";
 }
 
 bool too_slow(const Quality& asked, const LineCapabilities& line) {
@@ -45,10 +53,10 @@ std::string with_unit(Duration duration) {
 std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line,
                                   Traffic traffic) {
   std::vector<Violation> found;
-  if (asked.line == Class::HardRealtime && !line.real_time) {
-    found.push_back(
-        {"class=" + std::string(to_string(asked.line)),
-         "the medium " + line.name + " shares a queue with other programs and may lose packets"});
+  if (asked.line == Class::HardRealtime) {
+    if (std::string why = why_not_real_time(line); !why.empty()) {
+      found.push_back({"class=" + std::string(to_string(asked.line)), std::move(why)});
+    }
   }
   if (too_unreliable(asked, line, traffic)) {
     const std::string what = traffic == Traffic::Samples ? "samples" : "packets";
@@ -90,9 +98,12 @@ tl::expected<std::size_t, std::string> choose(const Quality& asked,
   const std::vector<std::size_t> best_first = rank(asked, lines);
   if (!best_first.empty()) return best_first.front();
   std::string text = "no medium meets the required quality";
+  std::vector<Violation> listed;
   for (const LineCapabilities& line : lines) {
-    for (const Violation& violation : violations(asked, line)) {
+    for (Violation& violation : violations(asked, line)) {
+      if (std::ranges::find(listed, violation) != listed.end()) continue;
       text += "; " + violation.term + ": " + violation.why;
+      listed.push_back(std::move(violation));
     }
   }
   return tl::unexpected(std::move(text));

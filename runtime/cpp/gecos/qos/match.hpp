@@ -13,6 +13,12 @@
 /// Checks media against a required quality of service and selects the best medium. Pure functions.
 namespace gecos::qos {
 
+/// What a laboratory states about a medium, in place of the medium's own promise.
+struct RealTimeStatement {
+  bool real_time = false;  ///< whether HARD_REALTIME is possible over the medium
+  std::string text;  ///< for example "[media.shm] in lab.toml:4 says that shm is not real-time"
+};
+
 /// The promises of one medium, and the latency that was measured over it.
 struct LineCapabilities {
   std::string name;            ///< name of the medium for messages, for example "shm"
@@ -23,6 +29,9 @@ struct LineCapabilities {
   bool reports_death = true;   ///< the death of a peer is reported at once, not only noticed by its
                                ///< silence
   std::optional<LatencySample::Latency> latency{};  ///< nullopt before its measurement
+  /// If set, decides in place of `real_time` whether HARD_REALTIME is possible over the medium. The
+  /// order in which `rank` puts the media depends on `real_time` all the same.
+  std::optional<RealTimeStatement> stated{};
 };
 
 /// One term of the required quality that a medium does not meet.
@@ -46,7 +55,8 @@ std::vector<Violation> violations(const Quality& asked, const LineCapabilities& 
 std::vector<std::size_t> rank(const Quality& asked, std::span<const LineCapabilities> lines);
 
 /// Returns the index of the best element of `lines`. If none meets `asked`, returns a text that
-/// lists each element with the terms that it violates.
+/// lists each element with the terms that it violates. A reason that holds for several elements is
+/// listed once.
 tl::expected<std::size_t, std::string> choose(const Quality& asked,
                                               std::span<const LineCapabilities> lines);
 

@@ -76,6 +76,7 @@ def explain(name: str, broker: str | None, measure: bool, as_json: bool) -> None
                         "address": each.address,
                         "suitable": each.suitable,
                         "reason": each.reason,
+                        "real_time_by": each.real_time_by,
                         "round_trip": tried.measured.get(each.medium),
                         "not_reached": tried.not_reached.get(each.medium),
                         "members": [

@@ -14,6 +14,7 @@ from gecos import _core
 CLOCK_VARIABLE = "ROBCL_CLOCK"
 """The environment variable from which simulated devices read the speed of the lab clock."""
 _SLOWEST_CLOCK, _FASTEST_CLOCK = 0.1, 100_000.0
+_FOR_PROGRAMS = ("admin", "allow", "media", "names", "objects", "streams")
 
 
 class LaboratoryFileError(ValueError):
@@ -42,7 +43,9 @@ class LaboratoryDescription:
     broker_address: str = ""  # where programs look for the broker; "": on this host
     folder: Path = Path()  # relative paths of programs are relative to this folder
     file: str = ""  # for example "lab.toml"; "" if there is no file
-    names_users: bool = False  # True: the file says who may connect, and servers must read it
+    # The tables of the file that servers and clients read, for example ("allow", "media"). If there
+    # are any, the programs must read the file.
+    tables_for_programs: tuple[str, ...] = ()
     # Simulated seconds that pass in a second. None: the value of ROBCL_CLOCK, or real time without
     # that variable.
     clock_speed: float | None = None
@@ -69,7 +72,7 @@ def read_laboratory(path: Path) -> LaboratoryDescription:
     except ValueError as error:  # not UTF-8, or not TOML; then the error has line and column
         raise LaboratoryFileError(f"{path}: {error}") from None
     # Servers and clients read the same file. The function that they use checks the keys, the lists
-    # of users and the address of the broker; _Reader checks the rest.
+    # of users, the media and the address of the broker; _Reader checks the rest.
     if problem := _core.lab_file_problem(text, str(path)):
         raise LaboratoryFileError(problem)
     return _Reader(path, text).laboratory(data)
@@ -93,7 +96,7 @@ class _Reader:
             address,
             self._path.resolve().parent,
             str(self._path),
-            any(table in data for table in ("admin", "allow", "names", "objects")),
+            tuple(table for table in _FOR_PROGRAMS if table in data),
             clock_speed,
         )
 

@@ -265,7 +265,7 @@ def running(
     commands = [(p, _command(laboratory, p, folders)) for p in laboratory.programs]
     variables = dict(os.environ if environment is None else environment)
     variables["GECOS_BROKER"] = _broker_of(laboratory, variables.get("GECOS_BROKER", ""))
-    if laboratory.names_users:
+    if laboratory.tables_for_programs:
         variables["GECOS_LAB_FILE"] = str(Path(laboratory.file).resolve())
     if laboratory.clock_speed is not None:
         variables[CLOCK_VARIABLE] = f"{laboratory.clock_speed:.10g}"

@@ -69,7 +69,7 @@ tl::expected<access::LabBroker, std::string> Context::named_broker(TimePoint dea
   }
   const char* const variable = std::getenv("GECOS_BROKER");
   if (variable != nullptr && *variable != '\0') return access::LabBroker{variable};
-  return lab_file_.read(deadline);
+  return lab_file_.broker(deadline);
 }
 
 std::vector<std::string> Context::broker_addresses(const access::LabBroker& named,

@@ -6,7 +6,7 @@
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
-#include "gecos/session/client/lab_file_broker.hpp"
+#include "gecos/session/client/lab_file_settings.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/broker_answer.hpp"
 
@@ -33,6 +33,10 @@ class Context : public std::enable_shared_from_this<Context> {
   /// Returns the session with this lab's broker, and opens it when there is none.
   tl::expected<std::shared_ptr<ClientConnection>, NoBroker> broker(TimePoint deadline);
 
+  /// Returns what the lab file states about the media. On failure, returns why the file cannot be
+  /// used.
+  StatedMedia lab_media(TimePoint deadline) { return lab_file_.media(deadline); }
+
   /// Records `session`, the session of a proxy, so that `close` can end it. Returns false when
   /// `close` was called before.
   bool keep(const std::shared_ptr<ClientConnection>& session);
@@ -58,7 +62,7 @@ class Context : public std::enable_shared_from_this<Context> {
 
   const std::shared_ptr<Runtime> runtime_;
   const std::shared_ptr<Failover> failover_;
-  LabFileBroker lab_file_;  ///< used by the thread that searches for the broker
+  LabFileSettings lab_file_;
   Mutex mutex_;
   ConditionVariable looked_;
   /// True while a thread searches for the broker. Only one thread at a time may search.
@@ -82,6 +86,11 @@ tl::expected<Entry, CreateError::Attempt> find_entry(Context& lab,
                                                      const InterfaceDescription& wanted,
                                                      const std::string& name,
                                                      const CreateOptions& options);
+
+/// Returns what the lab file states about the media that lead to `entry`. Reads the file only if
+/// `wanted` demands HARD_REALTIME of them; otherwise, returns no statement.
+StatedMedia stated_media(Context& lab, const InterfaceDescription& wanted, const Entry& entry,
+                         TimePoint deadline);
 
 /// Opens a session with the object `name`, or returns why it failed.
 tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_object(

@@ -26,6 +26,7 @@ std::ostream& operator<<(std::ostream& out, const Explanation& explanation) {
       chosen = true;
     }
     out << each.unreachable << to_string(each.violations);
+    if (!each.real_time_by.empty()) out << "\n    " << each.real_time_by;
     for (const UnsuitedMember& member : each.members) {
       out << "\n    not " << (member.samples_only ? "the samples of " : "") << member.name << ": "
           << to_string(member.violations);
@@ -37,6 +38,16 @@ std::ostream& operator<<(std::ostream& out, const Explanation& explanation) {
 }  // namespace gecos
 
 namespace gecos::session {
+namespace {
+
+/// Returns the statement of the lab file without which `line` would not be real-time; an empty text
+/// if there is none.
+std::string permission(const qos::LineCapabilities& line) {
+  const bool permits = line.stated && line.stated->real_time && !line.real_time;
+  return permits ? line.stated->text : "";
+}
+
+}  // namespace
 
 tl::expected<Explanation, CreateError> explain(const LabOrWhyNot& lab,
                                                const InterfaceDescription& wanted,
@@ -52,11 +63,13 @@ tl::expected<Explanation, CreateError> explain(const LabOrWhyNot& lab,
   std::vector<qos::LineCapabilities> lines;
   std::vector<MediumVerdict> suitable;
   const qos::Quality demanded = demanded_of(wanted.quality, entry->simulated);
+  const StatedMedia stated = stated_media(**lab, wanted, *entry, deadline_after(options.patience));
   for (const auto& address : entry->addresses) {
-    MediumVerdict verdict{medium_of(address), address, {}, {}, {}};
-    const auto line = line_to(*(*lab)->runtime(), *entry, address);
+    MediumVerdict verdict{medium_of(address), address, {}, {}, {}, {}};
+    const auto line = line_to(*(*lab)->runtime(), *entry, address, stated);
     if (!line) verdict.unreachable = line.error();
     if (line) verdict.violations = qos::violations(demanded, *line);
+    if (line) verdict.real_time_by = permission(*line);
     if (!verdict.suitable()) {
       found.media.push_back(std::move(verdict));
       continue;

@@ -4,7 +4,7 @@
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/client/context.hpp"
-#include "gecos/session/client/lab_file_broker.hpp"
+#include "gecos/session/client/lab_file_settings.hpp"
 
 namespace gecos::session {
 
@@ -25,7 +25,7 @@ tl::expected<std::shared_ptr<ClientSession>, std::string> session_at(const LabOr
 }
 
 tl::expected<access::LabBroker, std::string> broker_in_lab_file(Duration patience) {
-  return LabFileBroker({}).read(deadline_after(patience));
+  return LabFileSettings({}).broker(deadline_after(patience));
 }
 
 std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience) {

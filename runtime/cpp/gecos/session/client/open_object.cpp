@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/client/context.hpp"
@@ -29,8 +30,13 @@ std::string channel_name(const std::string& object, std::string_view channel,
 class ObjectConnector {
  public:
   ObjectConnector(Context& lab, const InterfaceDescription& wanted, const Entry& entry,
-                  const std::string& name, const CreateOptions& options)
-      : lab_(lab), wanted_(wanted), entry_(entry), name_(name), options_(options) {}
+                  const std::string& name, const CreateOptions& options, StatedMedia stated)
+      : lab_(lab),
+        wanted_(wanted),
+        entry_(entry),
+        name_(name),
+        options_(options),
+        stated_(std::move(stated)) {}
 
   /// Makes a later failover use `options` instead of the options of this session.
   void set_options_of_successors(const CreateOptions& options) { later_options_ = &options; }
@@ -40,7 +46,7 @@ class ObjectConnector {
   /// (in=lcm)". `without`: a medium that must not be used.
   Opened over(std::optional<media::Kind> only, const std::string& channel, TimePoint deadline,
               std::optional<media::Kind> without = {}) const {
-    Selection selection(*lab_.runtime(), entry_, demanded(), only, without);
+    Selection selection(*lab_.runtime(), entry_, demanded(), stated_, only, without);
     const std::vector<Route> routes = selection.best_first();
     Attempt failed{name_, Detail::NoServer, {}};
     bool unsuitable = routes.empty();
@@ -117,17 +123,25 @@ class ObjectConnector {
   const Entry& entry_;
   const std::string& name_;
   const CreateOptions& options_;
+  const StatedMedia stated_;
   const CreateOptions* later_options_ = &options_;
 };
 
 }  // namespace
+
+StatedMedia stated_media(Context& lab, const InterfaceDescription& wanted, const Entry& entry,
+                         TimePoint deadline) {
+  if (!demands_hard_real_time(wanted, entry.simulated)) return {};
+  return lab.lab_media(deadline);
+}
 
 Opened open_object(Context& lab, const InterfaceDescription& wanted, const std::string& name,
                    const CreateOptions& options) {
   const TimePoint deadline = deadline_after(options.patience);
   const auto entry = find_entry(lab, wanted, name, options);
   if (!entry) return tl::unexpected(entry.error());
-  const ObjectConnector connector(lab, wanted, *entry, name, options);
+  const ObjectConnector connector(lab, wanted, *entry, name, options,
+                                  stated_media(lab, wanted, *entry, deadline));
   const auto in = options.in ? options.in : options.medium;
   auto session = connector.over(options.out ? options.out : options.medium,
                                 channel_name(name, "out", options.out), deadline);
@@ -147,7 +161,8 @@ Opened open_elsewhere(Context& lab, ClientConnection& slow) {
   const TimePoint deadline = deadline_after(options.patience);
   const auto entry = find_entry(lab, target.wanted, target.name, options);
   if (!entry) return tl::unexpected(entry.error());
-  ObjectConnector connector(lab, target.wanted, *entry, target.name, options);
+  ObjectConnector connector(lab, target.wanted, *entry, target.name, options,
+                            stated_media(lab, target.wanted, *entry, deadline));
   connector.set_options_of_successors(target.options);
   return connector.over({}, target.name, deadline, media::kind_of(slow.place()));
 }

@@ -9,13 +9,28 @@
 
 namespace gecos::session {
 
-qos::LineCapabilities line_of(const media::Capabilities& capabilities) {
+namespace {
+
+std::optional<qos::RealTimeStatement> statement_about(std::string_view medium,
+                                                      const StatedMedia& stated) {
+  if (!stated) return qos::RealTimeStatement{false, stated.error()};
+  const auto found = stated->find(medium);
+  if (found == stated->end()) return std::nullopt;
+  const auto& [real_time, place] = found->second;
+  return qos::RealTimeStatement{real_time, place + " says that " + std::string(medium) +
+                                               (real_time ? " is real-time" : " is not real-time")};
+}
+
+}  // namespace
+
+qos::LineCapabilities line_of(const media::Capabilities& capabilities, const StatedMedia& stated) {
   qos::LineCapabilities line;
   line.name = capabilities.name;
   line.between_hosts = capabilities.reach == media::Reach::Network;
   line.reliable = true;  // if the medium loses packets, the session sends calls again
   line.keeps_samples = capabilities.reliable;
   line.real_time = capabilities.real_time;
+  line.stated = statement_about(capabilities.name, stated);
   // Within one process, client and server die together, so no medium needs to report a death.
   line.reports_death = capabilities.reports_death || capabilities.reach == media::Reach::Process;
   return line;
@@ -80,6 +95,15 @@ void add_medium(std::string& media, const std::string& address, const std::strin
   media += (media.empty() ? "" : "; ") + medium_of(address) + ": " + why;
 }
 
+/// Calls `look_at` with the quality that `wanted` demands, and with that of each of its members.
+template <class LookAt>
+void for_each_quality(const InterfaceDescription& wanted, LookAt look_at) {
+  look_at(wanted.quality);
+  for (const auto* each : wanted.all_operations()) look_at(each->quality);
+  for (const auto* each : wanted.all_streams()) look_at(each->quality);
+  for (const auto* each : wanted.all_inward_streams()) look_at(each->quality);
+}
+
 std::vector<qos::LineCapabilities> lines_of(const std::vector<Route>& routes) {
   std::vector<qos::LineCapabilities> lines;
   for (const Route& route : routes) lines.push_back(route.line);
@@ -89,7 +113,8 @@ std::vector<qos::LineCapabilities> lines_of(const std::vector<Route>& routes) {
 }  // namespace
 
 tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const Entry& entry,
-                                                         const std::string& address) {
+                                                         const std::string& address,
+                                                         const StatedMedia& stated) {
   const auto kind = media::kind_of(address);
   if (!kind) return tl::unexpected(std::string("this program does not know this medium"));
   if (auto why = out_of_reach(runtime, entry, *kind, address); !why.empty()) {
@@ -97,7 +122,7 @@ tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const
   }
   const auto opened = runtime.medium(*kind);
   if (!opened) return tl::unexpected(opened.error().text);
-  return line_of((*opened)->capabilities());
+  return line_of((*opened)->capabilities(), stated);
 }
 
 std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interface,
@@ -120,20 +145,25 @@ std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interfa
   return found;
 }
 
+bool demands_hard_real_time(const InterfaceDescription& wanted, bool simulated) {
+  bool demanded = false;
+  for_each_quality(wanted, [&](const qos::Quality& asked) {
+    demanded |= demanded_of(asked, simulated).line == qos::Class::HardRealtime;
+  });
+  return demanded;
+}
+
 Duration smallest_latency(const InterfaceDescription& wanted) {
   Duration smallest = Duration::max();
-  const auto look_at = [&](const qos::Quality& asked) {
+  for_each_quality(wanted, [&](const qos::Quality& asked) {
     if (qos::binds_latency(asked)) smallest = std::min(smallest, asked.latency);
-  };
-  look_at(wanted.quality);
-  for (const auto* each : wanted.all_operations()) look_at(each->quality);
-  for (const auto* each : wanted.all_streams()) look_at(each->quality);
-  for (const auto* each : wanted.all_inward_streams()) look_at(each->quality);
+  });
   return smallest == Duration::max() ? Duration::zero() : smallest;
 }
 
 Selection::Selection(Runtime& runtime, const Entry& entry, const qos::Quality& demanded,
-                     std::optional<media::Kind> only, std::optional<media::Kind> without)
+                     const StatedMedia& stated, std::optional<media::Kind> only,
+                     std::optional<media::Kind> without)
     : demanded_(demanded),
       asked_for_(only ? " over " + std::string(media::to_string(*only)) : ""),
       offered_(offered(entry)) {
@@ -142,7 +172,7 @@ Selection::Selection(Runtime& runtime, const Entry& entry, const qos::Quality& d
     if (only && kind && *kind != *only) continue;
     if (without && kind == without) {
       pass_over(address, "the connection over this medium became too slow");
-    } else if (auto line = line_to(runtime, entry, address)) {
+    } else if (auto line = line_to(runtime, entry, address, stated)) {
       routes_.push_back({address, *std::move(line)});
     } else {
       pass_over(address, line.error());

@@ -7,12 +7,16 @@
 #include "gecos/description.hpp"
 #include "gecos/explanation.hpp"
 #include "gecos/qos/match.hpp"
+#include "gecos/session/client/lab_file_settings.hpp"
 #include "gecos/session/process/runtime.hpp"
 
 namespace gecos::session {
 
-/// Returns what a session over a medium with these capabilities promises.
-qos::LineCapabilities line_of(const media::Capabilities& capabilities);
+/// Returns what a session over a medium with these capabilities promises. `stated`: what the lab
+/// file states about the media. If the file cannot be used, no medium is real-time, because the
+/// file might say so.
+qos::LineCapabilities line_of(const media::Capabilities& capabilities,
+                              const StatedMedia& stated = {});
 
 /// Returns the quality that a medium must have because of `asked`. For a simulated device, soft
 /// real time is enough and the latency is not bounded, because a late packet does no harm there.
@@ -22,13 +26,18 @@ qos::Quality demanded_of(qos::Quality asked, bool simulated);
 /// zero when no latency is demanded.
 Duration smallest_latency(const InterfaceDescription& wanted);
 
+/// Returns whether `wanted` or one of its members demands HARD_REALTIME of the medium; false for a
+/// simulated device.
+bool demands_hard_real_time(const InterfaceDescription& wanted, bool simulated);
+
 /// Returns the name of the medium of an address: "shm".
 std::string medium_of(const std::string& address);
 
 /// Returns what a session would promise at `address`, one of the addresses of `entry`. If this
 /// program cannot reach the object there, returns the reason.
 tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const Entry& entry,
-                                                         const std::string& address);
+                                                         const std::string& address,
+                                                         const StatedMedia& stated);
 
 /// Returns the operations and streams of `interface` whose own quality `line` does not meet.
 /// `simulated`: whether the object is a simulated device.
@@ -46,10 +55,12 @@ struct Route {
 /// Reads no clock and sends nothing.
 class Selection {
  public:
-  /// `demanded`: what the medium must meet. `only`: the only medium to consider. `without`: a
-  /// medium not to consider, because a session over it became too slow.
+  /// `demanded`: what the medium must meet. `stated`: what the lab file states about the media.
+  /// `only`: the only medium to consider. `without`: a medium not to consider, because a session
+  /// over it became too slow.
   Selection(Runtime& runtime, const Entry& entry, const qos::Quality& demanded,
-            std::optional<media::Kind> only, std::optional<media::Kind> without = {});
+            const StatedMedia& stated, std::optional<media::Kind> only,
+            std::optional<media::Kind> without = {});
 
   /// Returns the routes that meet the demanded quality, best first.
   std::vector<Route> best_first() const;

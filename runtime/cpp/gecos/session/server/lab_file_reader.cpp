@@ -4,6 +4,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
+#include "gecos/media/kinds.hpp"
 #include "gecos/session/process/lab_file_text.hpp"
 
 namespace gecos::session {
@@ -16,7 +17,8 @@ using access::EditedLabFile;
 /// The data that the thread of a LabFileReader uses. It outlives the LabFileReader if the file
 /// system does not answer.
 struct LabFileReader::Shared {
-  explicit Shared(const LabFilePath& named) : must_exist(named.must_exist), file(named.path) {}
+  explicit Shared(const LabFilePath& named)
+      : must_exist(named.must_exist), file(named.path, media::all_names()) {}
   void read();
 
   // Used by the thread only.
