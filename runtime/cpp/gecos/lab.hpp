@@ -15,6 +15,7 @@
 #include "gecos/explanation.hpp"
 #include "gecos/media/kinds.hpp"
 #include "gecos/object.hpp"
+#include "gecos/qos/requested_quality.hpp"
 
 namespace gecos {
 
@@ -55,6 +56,10 @@ struct CreateOptions {
   /// interface may limit the round trip. If there is a limit, `create` measures each medium by a
   /// few pings before it uses the medium. The measurement takes at most 2 s and at most `patience`.
   Duration latency{};
+  /// The quality that the program requests in addition to the `@qos` of the interface. `create`
+  /// fails with QosUnavailable when no medium meets the requested class, also for a simulated
+  /// device. With `reliability`, a subscription fails over a medium that may lose samples.
+  qos::RequestedQuality quality{};
   /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
   /// The time for which `create` keeps trying while one of the named objects is not online, or

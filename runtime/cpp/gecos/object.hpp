@@ -21,8 +21,9 @@ namespace gecos {
 /// Options for the calls through one copy of a proxy.
 struct CallOptions {
   /// Longest time from sending to completion. The server receives this time and ends the call when
-  /// it has passed. Without a value, the `@qos(deadline=…)` of the operation applies, if the
-  /// operation has one. If the value is zero or negative, the call is not sent and ends as EXPIRED.
+  /// it has passed. Without a value, the shorter of the `@qos(deadline=…)` of the operation and the
+  /// deadline that the program requested at `create` applies, if there is one. If the value is zero
+  /// or negative, the call is not sent and ends as EXPIRED.
   std::optional<Duration> deadline{};
 };
 

@@ -48,6 +48,19 @@ nb::list attempts_of(const CreateError& error) {
 using Channels =
     std::tuple<std::optional<std::string>, std::optional<std::string>, std::optional<std::string>>;
 
+/// The quality that a program requests: class, reliability, deadline and lifespan in s, whether the
+/// liveliness is MANUAL.
+using Requested = std::tuple<int, int, double, double, bool>;
+
+qos::RequestedQuality requested_quality(const Requested& requested) {
+  const auto& [line, reliability, deadline, lifespan, manual] = requested;
+  return {.line = static_cast<qos::Class>(line),
+          .reliability = static_cast<qos::Reliability>(reliability),
+          .deadline = patience_of(deadline),
+          .lifespan = patience_of(lifespan),
+          .liveliness = manual ? qos::Liveliness::Manual : qos::Liveliness::Automatic};
+}
+
 std::optional<media::Kind> medium_called(const std::optional<std::string>& name) {
   if (!name) return std::nullopt;
   if (const auto kind = media::kind_from(*name)) return kind;
@@ -55,10 +68,11 @@ std::optional<media::Kind> medium_called(const std::optional<std::string>& name)
 }
 
 nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::string>& names,
-                  const Channels& channels, double latency, double patience,
-                  std::uint64_t incarnation, double wait) {
+                  const Channels& channels, double latency, const Requested& quality,
+                  double patience, std::uint64_t incarnation, double wait) {
   CreateOptions options;
   options.latency = patience_of(latency);
+  options.quality = requested_quality(quality);
   options.incarnation = incarnation;
   options.patience = patience_of(patience);
   const auto& [medium, in, out] = channels;
@@ -446,7 +460,8 @@ void bind_client(nb::module_& module) {
           nb::arg("broker"), nb::arg("program"))
       .def("explain", &explain, nb::arg("interface"), nb::arg("name"), nb::arg("patience"))
       .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("channels"),
-           nb::arg("latency"), nb::arg("patience"), nb::arg("incarnation"), nb::arg("wait"))
+           nb::arg("latency"), nb::arg("quality"), nb::arg("patience"), nb::arg("incarnation"),
+           nb::arg("wait"))
       .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))
       .def("session_at", &session_at, nb::arg("interface"), nb::arg("address"), nb::arg("patience"))
       .def("objects", &objects, nb::arg("interface_name"), nb::arg("patience"))

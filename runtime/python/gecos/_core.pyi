@@ -16,12 +16,15 @@ class Lab:
         names: Sequence[str],
         channels: tuple[str | None, str | None, str | None],
         latency: float,
+        quality: tuple[int, int, float, float, bool],
         patience: float,
         incarnation: int,
         wait: float,
     ) -> Session | list[tuple[str, int, str]]:
         """Returns a session, or the name, detail and reason of each failed attempt. `channels` are
-        the arguments `medium`, `in_` and `out` of `Lab.create`."""
+        the arguments `medium`, `in_` and `out` of `Lab.create`. `quality` has the numbers of the
+        QualityClass and the Reliability, the deadline and the lifespan in s (0: none), and whether
+        the liveliness is MANUAL."""
     def explain(
         self, interface: Interface, name: str, patience: float
     ) -> (

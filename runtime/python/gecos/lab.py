@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from enum import IntEnum
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TypeVar
 
 from gecos import _core, shutdown
 from gecos.errors import Attempt, CreateError, Detail
-from gecos.interface import Interface
+from gecos.interface import Interface, QualityClass, Reliability
 from gecos.program import check_environment, program_name
 from gecos.proxy import Object
 
@@ -48,6 +49,11 @@ class Lab:
         in_: str | None = None,
         out: str | None = None,
         latency: float | None = None,
+        class_: str | None = None,
+        reliability: str | None = None,
+        deadline: float | None = None,
+        lifespan: float | None = None,
+        liveliness: str | None = None,
         patience: float = 2.0,
         wait: float = 0.0,
     ) -> P:
@@ -66,6 +72,25 @@ class Lab:
         none can be used, for example because of its type. Raises CreateError with a reason for each
         name.
 
+        `class_`, `reliability`, `deadline`, `lifespan` and `liveliness` request quality in addition
+        to the `@qos` of the interface: each operation and each stream of the object has the
+        stricter of the declared and the requested value of each term. A looser request changes
+        nothing.
+
+        * `class_` ("SOFT_REALTIME", "HARD_REALTIME"): if no medium meets the class, `create` fails,
+          also for a simulated device. Each `latency` that the interface declares then limits the
+          round trip.
+        * `reliability` ("RELIABLE"): a subscription or writer fails over a medium that may lose
+          samples. Calls are reliable anyway.
+        * `deadline`: the longest time in s of a call from sending to completion, unless
+          `with_deadline` gives the call another one, and the longest gap in s between two samples
+          of a stream or event.
+        * `lifespan`: the age in s above which a sample of a stream or event is not returned.
+        * `liveliness` ("MANUAL"): a stream or event that has a deadline is not `alive` from a
+          missed deadline to its next sample.
+
+        `start_by` and `depth` cannot be requested, because the server applies them.
+
         Instead of names, a reference may be given (`lab.create(Tool, changer.current().result())`).
         A reference is valid only while the server process that it refers to serves the object,
         because a restarted process may have another state. A nil reference is refused.
@@ -78,7 +103,20 @@ class Lab:
         else:
             wanted, incarnation = [names.name], names.boot
         created = self._core.create(
-            table, wanted, (medium, in_, out), latency or 0.0, patience, incarnation, wait
+            table,
+            wanted,
+            (medium, in_, out),
+            latency or 0.0,
+            (
+                _number_of(QualityClass, "class", class_),
+                _number_of(Reliability, "reliability", reliability),
+                _longest("deadline", deadline),
+                _longest("lifespan", lifespan),
+                _number_of(_Liveliness, "liveliness", liveliness) == _Liveliness.MANUAL,
+            ),
+            patience,
+            incarnation,
+            wait,
         )
         if isinstance(created, list):
             raise CreateError([Attempt(name, Detail(d), reason) for name, d, reason in created])
@@ -208,6 +246,34 @@ class Lab:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+class _Liveliness(IntEnum):
+    AUTOMATIC = 0
+    MANUAL = 1
+
+
+def _number_of(values: type[IntEnum], term: str, written: str | None) -> int:
+    """Returns the number of the value of a term of `@qos`; 0 if the term is not requested."""
+    if written is None:
+        return 0
+    names = [each.name for each in values if each.name != "DEFAULT"]
+    if written not in names:
+        raise ValueError(
+            f"{written!r} is no {term}; choose {', '.join(names[:-1])} or {names[-1]}, as in @qos"
+        )
+    return values[written].value
+
+
+def _longest(term: str, seconds: float | None) -> float:
+    """Returns a longest time that is requested; 0 if none is requested."""
+    if seconds is None:
+        return 0.0
+    if not seconds > 0:
+        raise ValueError(
+            f"{term} must be more than 0 s, not {seconds}; leave it out to request no {term}"
+        )
+    return float(seconds)
 
 
 def _name_of(interface: type[Object] | str | None) -> str:

@@ -131,6 +131,19 @@ TEST_P(FailoverOnOneHost, EndsWithTheDeadlineWhenThatIsEarlier) {
   EXPECT_LT(Clock::now() - killed, grace);
 }
 
+TEST_P(Failover, LeadsToASessionWithTheDeadlineThatTheProgramRequested) {
+  const auto brief = lab_.create<probe::Probe>("PROBE", {.quality = {.deadline = 1ns}});
+  ASSERT_TRUE(brief) << brief.error();
+  const auto patient = gecos::with(*brief, {.deadline = 1h});
+  const auto look = patient.look(1);
+  ASSERT_EQ(first_.line().hear(), "look 1");
+  first_.kill_at_once();
+  go(second_);
+  ASSERT_TRUE(look.get());
+  EXPECT_FALSE(brief->look(2).get()) << "no call takes so little time";
+  EXPECT_EQ(patient.look(3).get().value(), 43);
+}
+
 TEST_P(Failover, IsEndedByCancelWhileNobodyHasIt) {
   const auto look = robot_.look(1);
   ASSERT_EQ(first_.line().hear(), "look 1");

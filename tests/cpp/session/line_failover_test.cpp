@@ -329,6 +329,34 @@ TEST_F(LineFailover, WithHardRealtimeTheSessionMovesOnlyToAMediumThatTheLabFileC
   }
 }
 
+TEST_F(LineFailover, TheQualityThatTheProgramRequestedAppliesOverTheOtherMedium) {
+  const auto robot =
+      far_.create<Mobile>("PROBE", {.quality = {.lifespan = 20min}, .patience = 20s});
+  ASSERT_TRUE(robot) << robot.error();
+  LineWatch watch(*robot);
+  slow_down(delays.shm);
+  ASSERT_EQ(await(watch, 2).medium, "lcm");
+  auto level = robot->level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  servant_.publish(1, gecos::unix_now_ns() - 3'600'000'000'000);  // measured one hour ago
+  servant_.publish(2);
+  const auto sample = level->next(60s);
+  ASSERT_TRUE(sample) << sample.error();
+  EXPECT_EQ(sample->value, 2);
+  EXPECT_EQ(level->counts().expired, 1u);
+}
+
+TEST_F(LineFailover, TheSessionStaysOffAMediumThatIsNotOfTheRequestedClass) {
+  const auto robot = far_.create<Mobile>(
+      "PROBE", {.quality = {.line = gecos::qos::Class::HardRealtime}, .patience = 20s});
+  ASSERT_TRUE(robot) << robot.error();
+  LineWatch watch(*robot);
+  slow_down(delays.shm);
+  const LineState stays = await(watch, 2);
+  EXPECT_EQ(stays.medium, "shm");
+  EXPECT_NE(stays.why.find("class=HARD_REALTIME: the medium lcm "), std::string::npos) << stays.why;
+}
+
 TEST_F(LineFailover, AMediumThatTheProgramHasChosenIsKept) {
   const auto robot = create(Kind::Shm);
   LineWatch watch(robot);

@@ -164,6 +164,22 @@ TEST_F(MediaOfALabFile, KeepHardRealtimeFromShmWhereTheFileSaysThatItIsNotRealTi
   EXPECT_EQ(robot->session()->capabilities().name, "lcm") << "the only one that is left";
 }
 
+TEST_F(MediaOfALabFile, CountForHardRealtimeThatTheProgramRequests) {
+  const gecos::CreateOptions over_lcm{.medium = Kind::Lcm,
+                                      .quality = {.line = Class::HardRealtime}};
+  EXPECT_NE(why_not<probe::Probe>(over_lcm).find("class=HARD_REALTIME: the medium lcm "),
+            std::string::npos);
+  file_.write(lcm_is_real_time);
+  EXPECT_EQ(why_not<probe::Probe>(over_lcm), "it was created");
+  file_.write(shm_is_not);
+  EXPECT_EQ(why_not<probe::Probe>({.quality = {.line = Class::HardRealtime}}),
+            "PROBE: QOS_UNAVAILABLE: PROBE no medium meets the required quality; "
+            "class=HARD_REALTIME: " +
+                says("shm", 2, "not real-time") +
+                "; class=HARD_REALTIME: the medium lcm shares a queue with other programs and may "
+                "lose packets");
+}
+
 TEST_F(MediaOfALabFile, CountForTheChannelsInAndOut) {
   file_.write(std::string(shm_is_not) + lcm_is_real_time);
   EXPECT_EQ(why_not({.in = Kind::Shm}),

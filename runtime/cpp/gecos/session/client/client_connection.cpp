@@ -89,7 +89,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   header.kind = wire::PacketKind::Call;
   header.code = operation.code;
   header.epoch = leases_.epoch();
-  header.deadline = options.deadline.value_or(operation.quality.deadline);
+  header.deadline = deadline_of(operation, options);
 
   const std::size_t most = calls_.most_open(operation.safety || is_builtin(operation.code));
   auto sent = calls_.send(header, most, size, encode, command, nullptr);
@@ -105,6 +105,14 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   if (chained && sent.error() != media::SendProblem::Lost) note_unsent(*command, failure);
   command->fail(std::move(failure));
   return command;
+}
+
+Duration ClientConnection::deadline_of(const OperationDescription& operation,
+                                       const CallOptions& options) const {
+  if (options.deadline) return *options.deadline;
+  // The runtime itself issues built-in operations, such as a request that waits for a status.
+  if (is_builtin(operation.code)) return operation.quality.deadline;
+  return terms(operation.quality).deadline;
 }
 
 std::shared_ptr<CommandCore> ClientConnection::refuse(const OperationDescription& operation,

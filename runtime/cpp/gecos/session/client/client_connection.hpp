@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gecos/object.hpp"
+#include "gecos/qos/requested_quality.hpp"
 #include "gecos/session/client/call_sender.hpp"
 #include "gecos/session/client/connection_maintenance.hpp"
 #include "gecos/session/client/connection_reader.hpp"
@@ -79,12 +80,22 @@ class ClientConnection final : public ClientSession,
   /// session.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
-  /// Makes the session refuse the operations and streams of `wanted` whose `@qos` demands more than
+  /// Sets the quality that the program requested at `create`. Must be called before other threads
+  /// know the session.
+  void request(const qos::RequestedQuality& quality) { requested_ = quality; }
+  /// Returns the quality that an operation or stream of the object has in this session. `declared`:
+  /// its quality in the interface.
+  qos::Quality terms(const qos::Quality& declared) const {
+    return qos::stricter(declared, requested_);
+  }
+  /// Returns the longest time of a call of `operation`; zero if there is no limit.
+  Duration deadline_of(const OperationDescription& operation, const CallOptions& options) const;
+  /// Makes the session refuse the operations and streams of `wanted` whose terms() demand more than
   /// `line`, the promises of the medium. `simulated`: whether the object is a simulated device.
-  /// Must be called before the program receives the session.
+  /// Must be called after request(), and before the program receives the session.
   void check_quality(const InterfaceDescription& wanted, const qos::LineCapabilities& line,
                      bool simulated) {
-    refused_.check_quality(wanted, line, simulated);
+    refused_.check_quality(wanted, line, simulated, requested_);
   }
   /// From now on, the streams and events arrive over `inbound`, another session with the same
   /// object. Must be called before the program receives the session.
@@ -114,6 +125,7 @@ class ClientConnection final : public ClientSession,
   const std::shared_ptr<Runtime> runtime_;
   const std::unique_ptr<media::Connection> connection_;
   const Welcome welcome_;
+  qos::RequestedQuality requested_;
   RefusedOperations refused_;
   std::string place_;
   std::shared_ptr<ClientConnection> inbound_;  ///< null: this session receives the streams itself

@@ -98,10 +98,10 @@ ClientStream::ClientStream(std::shared_ptr<ClientConnection> session,
       after_(earlier != nullptr ? earlier->after_
              : stream.event     ? std::optional(newest)
                                 : std::nullopt),
-      reception_(earlier != nullptr
-                     ? earlier->reception_
-                     : std::make_shared<qos::Reception>(
-                           stream.quality, session_->runtime().clock().since_boot(), after_)) {}
+      reception_(earlier != nullptr ? earlier->reception_
+                                    : std::make_shared<qos::Reception>(
+                                          session_->terms(stream.quality),
+                                          session_->runtime().clock().since_boot(), after_)) {}
 
 ClientStream::~ClientStream() { session_->subscriptions().unsubscribe(code_); }
 

@@ -88,9 +88,9 @@ tl::expected<Entry, CreateError::Attempt> find_entry(Context& lab,
                                                      const CreateOptions& options);
 
 /// Returns what the lab file states about the media that lead to `entry`. Reads the file only if
-/// `wanted` demands HARD_REALTIME of them; otherwise, returns no statement.
+/// `wanted` or `requested` demands HARD_REALTIME of them; otherwise, returns no statement.
 StatedMedia stated_media(Context& lab, const InterfaceDescription& wanted, const Entry& entry,
-                         TimePoint deadline);
+                         TimePoint deadline, const qos::RequestedQuality& requested = {});
 
 /// Opens a session with the object `name`, or returns why it failed.
 tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_object(

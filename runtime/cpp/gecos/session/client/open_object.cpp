@@ -80,7 +80,7 @@ class ObjectConnector {
   /// Returns the quality that the interface as a whole and the program demand of the medium. The
   /// latency that the program demands also applies to a simulated device.
   qos::Quality demanded() const {
-    qos::Quality demanded = demanded_of(wanted_.quality, entry_.simulated);
+    qos::Quality demanded = demanded_of(wanted_.quality, entry_.simulated, options_.quality);
     if (options_.latency <= Duration{}) return demanded;
     demanded.line = std::max(demanded.line, qos::Class::SoftRealtime);
     const bool stricter = demanded.latency <= Duration{} || options_.latency < demanded.latency;
@@ -90,17 +90,19 @@ class ObjectConnector {
   /// Returns the bound of the latency that LineProbe checks while the session is open; zero if
   /// there is no bound.
   Duration bound() const {
-    const Duration of_interface = smallest_latency(wanted_);
+    const Duration of_interface = smallest_latency(wanted_, options_.quality);
     if (options_.latency <= Duration{}) return of_interface;
     if (of_interface <= Duration{}) return options_.latency;
     return std::min(of_interface, options_.latency);
   }
   bool measures() const {
-    const bool by_interface = !entry_.simulated && smallest_latency(wanted_) > Duration{};
+    const bool by_interface =
+        !entry_.simulated && smallest_latency(wanted_, options_.quality) > Duration{};
     return by_interface || options_.latency > Duration{};
   }
   void prepare(ClientConnection& session) const {
     session.failover().set(lab_.failover(), {name_, wanted_, *later_options_});
+    session.request(options_.quality);
     session.line_probe().bound_by(bound(), wanted_, entry_.simulated);
   }
   /// Measures the latency of `session` if the interface or the program demands a latency. If the
@@ -130,8 +132,8 @@ class ObjectConnector {
 }  // namespace
 
 StatedMedia stated_media(Context& lab, const InterfaceDescription& wanted, const Entry& entry,
-                         TimePoint deadline) {
-  if (!demands_hard_real_time(wanted, entry.simulated)) return {};
+                         TimePoint deadline, const qos::RequestedQuality& requested) {
+  if (!demands_hard_real_time(wanted, entry.simulated, requested)) return {};
   return lab.lab_media(deadline);
 }
 
@@ -141,7 +143,7 @@ Opened open_object(Context& lab, const InterfaceDescription& wanted, const std::
   const auto entry = find_entry(lab, wanted, name, options);
   if (!entry) return tl::unexpected(entry.error());
   const ObjectConnector connector(lab, wanted, *entry, name, options,
-                                  stated_media(lab, wanted, *entry, deadline));
+                                  stated_media(lab, wanted, *entry, deadline, options.quality));
   const auto in = options.in ? options.in : options.medium;
   auto session = connector.over(options.out ? options.out : options.medium,
                                 channel_name(name, "out", options.out), deadline);
@@ -162,7 +164,7 @@ Opened open_elsewhere(Context& lab, ClientConnection& slow) {
   const auto entry = find_entry(lab, target.wanted, target.name, options);
   if (!entry) return tl::unexpected(entry.error());
   ObjectConnector connector(lab, target.wanted, *entry, target.name, options,
-                            stated_media(lab, target.wanted, *entry, deadline));
+                            stated_media(lab, target.wanted, *entry, deadline, options.quality));
   connector.set_options_of_successors(target.options);
   return connector.over({}, target.name, deadline, media::kind_of(slow.place()));
 }

@@ -7,9 +7,10 @@
 namespace gecos::session {
 
 void RefusedOperations::check_quality(const InterfaceDescription& wanted,
-                                      const qos::LineCapabilities& line, bool simulated) {
+                                      const qos::LineCapabilities& line, bool simulated,
+                                      const qos::RequestedQuality& requested) {
   medium_ = line.name;
-  for (const UnsuitedMember& member : unsuited_members(wanted, line, simulated)) {
+  for (const UnsuitedMember& member : unsuited_members(wanted, line, simulated, requested)) {
     std::string terms = to_string(member.violations);
     if (!member.samples_only) calls_.push_back({member.code, terms});
     // If the getter of a stream is refused, the stream is refused, too. If the stream has an entry

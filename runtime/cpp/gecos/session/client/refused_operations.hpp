@@ -9,6 +9,7 @@
 #include "gecos/command.hpp"
 #include "gecos/description.hpp"
 #include "gecos/qos/match.hpp"
+#include "gecos/qos/requested_quality.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 
 namespace gecos::session {
@@ -22,10 +23,11 @@ class RefusedOperations {
   explicit RefusedOperations(std::vector<FunctionCode> differing)
       : differing_(std::move(differing)) {}
 
-  /// Also refuses the operations and streams of `wanted` whose `@qos` demands more than `line`, the
-  /// promises of the medium. `simulated`: whether the object is a simulated device.
+  /// Also refuses the operations and streams of `wanted` whose `@qos`, together with `requested`,
+  /// demands more than `line`, the promises of the medium. `simulated`: whether the object is a
+  /// simulated device.
   void check_quality(const InterfaceDescription& wanted, const qos::LineCapabilities& line,
-                     bool simulated);
+                     bool simulated, const qos::RequestedQuality& requested = {});
 
   /// Returns why the operation or stream `name` is refused; nullopt if it may be used. `traffic`:
   /// Calls for an operation, Samples for a stream.

@@ -36,11 +36,12 @@ qos::LineCapabilities line_of(const media::Capabilities& capabilities, const Sta
   return line;
 }
 
-qos::Quality demanded_of(qos::Quality asked, bool simulated) {
-  if (!simulated) return asked;
+qos::Quality demanded_of(qos::Quality asked, bool simulated,
+                         const qos::RequestedQuality& requested) {
+  if (!simulated) return qos::stricter(asked, requested);
   if (asked.line == qos::Class::HardRealtime) asked.line = qos::Class::SoftRealtime;
   asked.latency = {};
-  return asked;
+  return qos::stricter(asked, requested);
 }
 
 std::string medium_of(const std::string& address) { return address.substr(0, address.find(':')); }
@@ -126,10 +127,12 @@ tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const
 }
 
 std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interface,
-                                             const qos::LineCapabilities& line, bool simulated) {
+                                             const qos::LineCapabilities& line, bool simulated,
+                                             const qos::RequestedQuality& requested) {
   std::vector<UnsuitedMember> found;
   const auto check = [&](const auto& member, qos::Traffic traffic) {
-    auto violated = qos::violations(demanded_of(member.quality, simulated), line, traffic);
+    auto violated =
+        qos::violations(demanded_of(member.quality, simulated, requested), line, traffic);
     if (violated.empty()) return;
     // A stream and its getter have the same code and often violate the same terms. The stream then
     // needs no entry of its own.
@@ -145,18 +148,22 @@ std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interfa
   return found;
 }
 
-bool demands_hard_real_time(const InterfaceDescription& wanted, bool simulated) {
+bool demands_hard_real_time(const InterfaceDescription& wanted, bool simulated,
+                            const qos::RequestedQuality& requested) {
   bool demanded = false;
   for_each_quality(wanted, [&](const qos::Quality& asked) {
-    demanded |= demanded_of(asked, simulated).line == qos::Class::HardRealtime;
+    demanded |= demanded_of(asked, simulated, requested).line == qos::Class::HardRealtime;
   });
   return demanded;
 }
 
-Duration smallest_latency(const InterfaceDescription& wanted) {
+Duration smallest_latency(const InterfaceDescription& wanted,
+                          const qos::RequestedQuality& requested) {
   Duration smallest = Duration::max();
   for_each_quality(wanted, [&](const qos::Quality& asked) {
-    if (qos::binds_latency(asked)) smallest = std::min(smallest, asked.latency);
+    if (qos::binds_latency(qos::stricter(asked, requested))) {
+      smallest = std::min(smallest, asked.latency);
+    }
   });
   return smallest == Duration::max() ? Duration::zero() : smallest;
 }

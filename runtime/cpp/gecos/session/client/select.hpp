@@ -7,6 +7,7 @@
 #include "gecos/description.hpp"
 #include "gecos/explanation.hpp"
 #include "gecos/qos/match.hpp"
+#include "gecos/qos/requested_quality.hpp"
 #include "gecos/session/client/lab_file_settings.hpp"
 #include "gecos/session/process/runtime.hpp"
 
@@ -18,17 +19,21 @@ namespace gecos::session {
 qos::LineCapabilities line_of(const media::Capabilities& capabilities,
                               const StatedMedia& stated = {});
 
-/// Returns the quality that a medium must have because of `asked`. For a simulated device, soft
-/// real time is enough and the latency is not bounded, because a late packet does no harm there.
-qos::Quality demanded_of(qos::Quality asked, bool simulated);
+/// Returns the quality that a medium must have because of `asked` and of `requested`, the request
+/// of the program. For a simulated device, soft real time is enough and the latency is not bounded,
+/// because a late packet does no harm there; the request applies in full.
+qos::Quality demanded_of(qos::Quality asked, bool simulated,
+                         const qos::RequestedQuality& requested = {});
 
-/// Returns the smallest latency that `wanted` or one of its members demands with a real-time class;
-/// zero when no latency is demanded.
-Duration smallest_latency(const InterfaceDescription& wanted);
+/// Returns the smallest latency that `wanted` or one of its members demands with a real-time class,
+/// which the interface declares or the program requests; zero when no latency is demanded.
+Duration smallest_latency(const InterfaceDescription& wanted,
+                          const qos::RequestedQuality& requested = {});
 
-/// Returns whether `wanted` or one of its members demands HARD_REALTIME of the medium; false for a
-/// simulated device.
-bool demands_hard_real_time(const InterfaceDescription& wanted, bool simulated);
+/// Returns whether `wanted` or one of its members, or the request of the program, demands
+/// HARD_REALTIME of the medium. Of a simulated device, only the request can demand it.
+bool demands_hard_real_time(const InterfaceDescription& wanted, bool simulated,
+                            const qos::RequestedQuality& requested = {});
 
 /// Returns the name of the medium of an address: "shm".
 std::string medium_of(const std::string& address);
@@ -39,10 +44,11 @@ tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const
                                                          const std::string& address,
                                                          const StatedMedia& stated);
 
-/// Returns the operations and streams of `interface` whose own quality `line` does not meet.
-/// `simulated`: whether the object is a simulated device.
+/// Returns the operations and streams of `interface` whose own quality, together with `requested`,
+/// `line` does not meet. `simulated`: whether the object is a simulated device.
 std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interface,
-                                             const qos::LineCapabilities& line, bool simulated);
+                                             const qos::LineCapabilities& line, bool simulated,
+                                             const qos::RequestedQuality& requested = {});
 
 /// A medium that may lead to an object: an address of the object, and the quality that a session
 /// over this address has.

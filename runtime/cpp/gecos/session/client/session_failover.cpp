@@ -33,7 +33,7 @@ std::shared_ptr<CommandCore> SessionFailover::call(const OperationDescription& o
   wire::Encoder to(again.arguments);
   encode(to);
   const Clock& clock = session_.runtime().clock();
-  const Duration within = options.deadline.value_or(operation.quality.deadline);
+  const Duration within = session_.deadline_of(operation, options);
   if (within.count() > 0) {
     // A deadline that is centuries away counts as no deadline.
     const TimePoint now = clock.since_boot();
