@@ -69,7 +69,7 @@ class ReconnectingStream(Generic[P, T]):
         self._stream: Stream[T] | None = None
         self._proxy: P | None = None
         self._problem = f"'{name}' sent no sample yet"
-        self._openings = 0
+        self._times_opened = 0
         self._next_try = 0.0
         # The time at which the last attempt to open the stream ended, or at which `next` returned
         # a sample.
@@ -90,7 +90,7 @@ class ReconnectingStream(Generic[P, T]):
         """The number of times that the stream was opened again. Each time, an unknown number of
         samples may have been lost."""
         with self._lock:
-            return max(0, self._openings - 1)
+            return max(0, self._times_opened - 1)
 
     def tick(self) -> None:
         """Opens the stream when it is not open, is lost or is silent. Call this method
@@ -216,7 +216,7 @@ class ReconnectingStream(Generic[P, T]):
                     self._problem = problem
                     if stream is not None:
                         self._stream, self._proxy = stream, proxy
-                        self._openings += 1
+                        self._times_opened += 1
             if is_closed and stream is not None:
                 stream.close()
 
