@@ -417,8 +417,10 @@ def test_wrong_parameters_are_refused_at_once(lab: gecos.Lab) -> None:
     names: Any = ["LAMP", "TORCH"]
     with pytest.raises(TypeError, match="the name of an object must be a text"):
         gecos.Reconnecting(lab, Lamp, names)
-    with pytest.raises(TypeError, match="need a class that gidl generated"):
+    with pytest.raises(TypeError, match="LAMP: latency: only a class that gidl generated"):
         gecos.Reconnecting(lab, gecos.DynamicObject, "LAMP", latency=0.1)
+    with pytest.raises(TypeError, match=r"LAMP: patients: `lab\.create` has no such argument"):
+        gecos.Reconnecting(lab, Lamp, "LAMP", patients=0.1)  # type: ignore[call-arg]
 
 
 # A stream -----------------------------------------------------------------------------------------
@@ -426,9 +428,18 @@ def test_wrong_parameters_are_refused_at_once(lab: gecos.Lab) -> None:
 Stream = gecos.ReconnectingStream[Lamp, float]
 
 
-def stream_of(lab: gecos.Lab, medium: str | None = None, **options: float) -> Stream:
+def stream_of(
+    lab: gecos.Lab, medium: str | None = None, patience: float = 2.0, silence: float = 1.0
+) -> Stream:
     return gecos.ReconnectingStream(
-        lab, Lamp, "LAMP", level_stream, medium=medium, between_tries=0, **options
+        lab,
+        Lamp,
+        "LAMP",
+        level_stream,
+        medium=medium,
+        patience=patience,
+        between_tries=0,
+        silence=silence,
     )
 
 

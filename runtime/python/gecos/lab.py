@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from enum import IntEnum
 from types import TracebackType
-from typing import TYPE_CHECKING, Self, TypeVar
+from typing import TYPE_CHECKING, Self, TypedDict, TypeVar
 
 from gecos import _core, shutdown
 from gecos.errors import Attempt, CreateError, Detail
@@ -25,6 +25,21 @@ if TYPE_CHECKING:
 P = TypeVar("P", bound=Object)
 # The lab file is read when the broker is searched, not when a Lab is made or printed.
 _BY_DEFAULT = "of the lab file, else of this host"
+
+
+class CreateOptions(TypedDict, total=False):
+    """The keyword arguments of `Lab.create` that functions which call it pass on."""
+
+    medium: str | None
+    in_: str | None
+    out: str | None
+    latency: float | None
+    class_: str | None
+    reliability: str | None
+    deadline: float | None
+    lifespan: float | None
+    liveliness: str | None
+    patience: float
 
 
 class Lab:

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Generic, Self, TypeVar, cast
+from typing import Generic, Self, TypeVar, Unpack, cast
 
 from gecos.errors import (
     Attempt,
@@ -20,7 +20,7 @@ from gecos.errors import (
     Detail,
     StreamLost,
 )
-from gecos.lab import Lab, table_of
+from gecos.lab import CreateOptions, Lab, table_of
 from gecos.proxy import Object
 
 P = TypeVar("P", bound=Object)
@@ -54,15 +54,11 @@ class Reconnecting(Generic[P]):
         interface: type[P],
         name: str,
         *,
-        medium: str | None = None,
-        in_: str | None = None,
-        out: str | None = None,
-        latency: float | None = None,
-        patience: float = 2.0,
         wait: float = 0.0,
         between_tries: float = 0.5,
+        **create: Unpack[CreateOptions],
     ) -> None:
-        self._source = Source(lab, interface, name, medium, in_, out, latency, patience)
+        self._source = Source(lab, interface, name, create)
         self._wait = wait
         self._between_tries = between_tries
         self._lock = threading.Lock()  # held while connecting; guards the members below
@@ -164,17 +160,19 @@ class Source(Generic[P]):
     lab: Lab
     interface: type[P]
     name: str
-    medium: str | None
-    in_: str | None
-    out: str | None
-    latency: float | None
-    patience: float
+    create: CreateOptions
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):
             raise TypeError(f"the name of an object must be a text, not {self.name!r}")
-        if self._is_dynamic() and (self.in_, self.out, self.latency) != (None, None, None):
-            raise TypeError(f"{self.name}: in_, out and latency need a class that gidl generated")
+        unknown = sorted(set(self.create) - set(CreateOptions.__annotations__))
+        if unknown:
+            raise TypeError(f"{self.name}: {', '.join(unknown)}: `lab.create` has no such argument")
+        typed = sorted(set(self.create) - {"medium", "patience"})
+        if self._is_dynamic() and typed:
+            raise TypeError(
+                f"{self.name}: {', '.join(typed)}: only a class that gidl generated has these"
+            )
 
     def connect(self, wait: float) -> P:
         """Returns a new proxy. Raises CreateError; a dynamic proxy also raises CommandFailed and
@@ -187,16 +185,7 @@ class Source(Generic[P]):
             raise
 
     def _generated(self, wait: float) -> P:
-        return self.lab.create(
-            self.interface,
-            self.name,
-            medium=self.medium,
-            in_=self.in_,
-            out=self.out,
-            latency=self.latency,
-            patience=self.patience,
-            wait=wait,
-        )
+        return self.lab.create(self.interface, self.name, wait=wait, **self.create)
 
     def _is_dynamic(self) -> bool:
         """Returns whether `interface` has no interface of its own, as gecos.DynamicObject."""
@@ -207,7 +196,10 @@ class Source(Generic[P]):
 
         try:
             made = self.lab.dynamic(
-                self.name, medium=self.medium, patience=self.patience, wait=wait
+                self.name,
+                medium=self.create.get("medium"),
+                patience=self.create.get("patience", 2.0),
+                wait=wait,
             )
         except ModelError as error:
             raise CreateError([Attempt(self.name, Detail.REFUSED, str(error))]) from error

@@ -8,10 +8,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from types import TracebackType
-from typing import Generic, Self, TypeVar
+from typing import Generic, Self, TypeVar, Unpack
 
 from gecos.errors import DeadlineMissed, StreamLost, may_pass
-from gecos.lab import Lab
+from gecos.lab import CreateOptions, Lab
 from gecos.proxy import Object
 from gecos.reconnecting import FAILURES, Source
 from gecos.stream import Sample, Stream
@@ -50,15 +50,11 @@ class ReconnectingStream(Generic[P, T]):
         name: str,
         open: Callable[[P], Stream[T]],
         *,
-        medium: str | None = None,
-        in_: str | None = None,
-        out: str | None = None,
-        latency: float | None = None,
-        patience: float = 2.0,
         between_tries: float = 0.5,
         silence: float = 1.0,
+        **create: Unpack[CreateOptions],
     ) -> None:
-        self._source = Source(lab, interface, name, medium, in_, out, latency, patience)
+        self._source = Source(lab, interface, name, create)
         self._open = open
         self._between_tries = between_tries
         self._silence = silence
