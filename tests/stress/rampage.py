@@ -502,6 +502,7 @@ def freezing(freezes: int, longest_s: float, seeds: random.Random) -> list[Plan]
         )
 
     in_python: dict[str, Any] = {"clients": 0, "python_clients": 1, "python_server": True}
+    one_medium, other_medium = seeds.sample(("shm", "lcm"), 2)
     return [
         plan("shm", clients=2),
         plan("lcm", clients=2),
@@ -509,6 +510,8 @@ def freezing(freezes: int, longest_s: float, seeds: random.Random) -> list[Plan]
         plan("shm", **in_python),
         plan("lcm", **in_python),
         plan("inproc", **in_python),
+        plan(one_medium, clients=2, python_server=True),
+        plan(other_medium, clients=0, python_clients=1),
     ]
 
 

@@ -91,10 +91,10 @@ def waiting(instants: int, seeds: random.Random) -> Iterator[Plan]:
 
 
 def freezing(freezes: int, seeds: random.Random) -> Iterator[list[Plan]]:
-    """Eight laboratories beside each other, in which programs stand still for up to ten seconds;
+    """Ten laboratories beside each other, in which programs stand still for up to ten seconds;
     two of them have a zone."""
     while freezes > 0:
-        each = min(ROUND_OF_FREEZES, -(-freezes // 8))
+        each = min(ROUND_OF_FREEZES, -(-freezes // 10))
         plans = rampage.freezing(each, 10.0, seeds)
         for medium in ("shm", "lcm"):
             plans.append(rampage.around_a_zone(medium, seeds.randrange(1 << 30), 0, each))

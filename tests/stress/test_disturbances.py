@@ -14,7 +14,7 @@ import statuses
 from rampage import Plan
 
 FREEZES = 5
-"""Freezes of each laboratory; there are six laboratories, so thirty freezes in all."""
+"""Freezes of each laboratory; there are eight laboratories, so forty freezes in all."""
 
 
 def test_programs_that_stand_still_start_nothing_that_was_given_up_and_leave_no_command_open(
