@@ -8,6 +8,7 @@ import signal
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
 from itertools import cycle
 from pathlib import Path
 
@@ -32,6 +33,9 @@ PATIENCE = 20.0
 NAMES_BACK_WITHIN_S = {"shm": 1.0, "lcm": 1.3 + 1.0}
 """After the start of the next broker. The kernel reports the death of a broker that is reached over
 shm; over lcm its servers notice it after 1.3 s of silence."""
+SILENT_AFTER_S = 1.5
+"""So long the broker does not hear the server. The limit itself is tested with a fake clock, in
+object_host_test.cpp."""
 
 
 def broker(lab: Laboratory, medium: str = "shm") -> Program:
@@ -147,6 +151,29 @@ def test_a_server_that_does_not_return_to_the_next_broker_is_told_as_gone(
         ends.kill()
         broker(lab)
         assert next_of(watch) == "ENDS GONE"
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("medium", ["shm", "lcm"])
+@pytest.mark.parametrize("serve", [rails, rails_in_cpp])
+def test_a_frozen_server_is_silent_after_the_time_that_is_promised(
+    lab: Laboratory,
+    serve: Callable[..., Program],
+    medium: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    reach_broker_over(medium, lab, monkeypatch)
+    broker(lab, medium)
+    frozen = serve(lab, "RAIL")
+    with gecos.Lab() as client, client.watch() as watch:
+        assert next_of(watch) == "RAIL ONLINE"
+        frozen.signal(signal.SIGSTOP)
+        stopped = time.monotonic()
+        change = watch.next(PATIENCE)
+        took = time.monotonic() - stopped
+        assert change.presence.name == "SILENT"
+        assert abs(took - SILENT_AFTER_S) < 0.5, f"{took} s"
+        assert abs(change.silent_for - took) < 0.5, f"{change.silent_for} s of {took} s"
 
 
 def test_a_frozen_server_of_this_host_keeps_its_name_until_its_process_ends(

@@ -23,6 +23,9 @@ with gecos.Server(gecos.Lab()) as server:
     print("serving RAIL", flush=True)
     input()
 """
+SINCE_WITHIN_S = 1.0
+"""How exactly the broker knows since when a server is silent: it stands still between two
+heartbeats, and the broker notices it at its own pace."""
 SILENT = re.compile(r"silent since \d\d:\d\d:\d\d \(\d+\.\d s\)")
 
 
@@ -53,7 +56,7 @@ def test_a_server_that_stands_still_is_silent_and_comes_back(
     assert asked["problem"] == "does not answer within 2 s" or SILENT.search(asked["problem"])
 
     until(lambda: rail(lab)["silent_since"] is not None, "the broker hears it no more")
-    assert abs(rail(lab)["silent_since"] - stopped) < 5.0
+    assert abs(rail(lab)["silent_since"] - stopped) < SINCE_WITHIN_S
     _, line = lab.run(*GECOS, "ls").lines
     assert SILENT.search(line), line
     for words in (["describe", "RAIL"], ["get", "RAIL", "beam"], ["call", "RAIL", "measure"]):

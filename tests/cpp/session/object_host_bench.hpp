@@ -72,14 +72,20 @@ class TestConnection final : public media::Connection {
 /// The system's clock on a machine that the test suspends, or for which it lets time pass.
 class SuspendedMachine final : public Clock {
  public:
-  TimePoint now() const override { return system_.now() + passed_.load(); }
+  TimePoint now() const override {
+    const TimePoint stopped = stopped_at_.load();
+    return (stopped == TimePoint{} ? system_.now() : stopped) + passed_.load();
+  }
   TimePoint since_boot() const override { return system_.since_boot() + suspended_.load(); }
   Duration unix_time() const override { return system_.unix_time(); }
   void suspend(Duration length) { suspended_ = suspended_.load() + length; }
   void pass(Duration time) { passed_ = passed_.load() + time; }
+  /// From now on `now()` advances by `pass` alone.
+  void stop() { stopped_at_ = system_.now(); }
 
  private:
   const SystemClock system_;
+  std::atomic<TimePoint> stopped_at_{TimePoint{}};     // publishes nothing but itself
   std::atomic<Duration> suspended_{Duration::zero()};  // publishes nothing but itself
   std::atomic<Duration> passed_{Duration::zero()};     // publishes nothing but itself
 };

@@ -350,6 +350,22 @@ TEST_F(ServedObjects, LetWhatFinishesOnLossGoOnWhenItsCallerHasBeenSilentForTheT
   EXPECT_EQ(reply_to(2), Detail::Done);
 }
 
+/// So long is the silence after which the broker lists an object as silent: its server is a client
+/// of the broker.
+TEST_F(ServedObjects, LoseAClientThatHasBeenSilentForOneAndAHalfSeconds) {
+  using std::chrono::milliseconds;
+  clock_.stop();
+  ASSERT_FALSE(object_->check_liveness(session_));
+  connection_->silent = true;
+  const auto lost_after = [this](Duration more) {
+    clock_.pass(more);
+    return object_->check_liveness(session_);
+  };
+  for (int look = 0; look < 14; ++look) ASSERT_FALSE(lost_after(milliseconds(100)));
+  EXPECT_FALSE(lost_after(milliseconds(99)));
+  EXPECT_TRUE(lost_after(milliseconds(1)));
+}
+
 TEST_F(ServedObjects, ADeadlinePassesWhileTheMachineIsSuspended) {
   auto header = header_of(wire::PacketKind::Call, 1, probe::read_code);
   header.deadline = std::chrono::hours(1);
