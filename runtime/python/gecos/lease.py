@@ -152,7 +152,7 @@ def _acquire(
     if detail.state is State.CONNECTION_FAILED:
         raise ConnectionFailed(detail, f"{where}: {text}")
     if detail in (Detail.SERVER_CRASHED, Detail.OUTCOME_UNKNOWN):
-        lost = f"{where} was not granted: the server was lost while the request waited"
+        lost = f"{where} was not granted: the server was lost while the request waited: {text}"
         raise ConnectionFailed(Detail.NO_SERVER, lost)
     raise _refusal(where, text, exception, evidence)
 
