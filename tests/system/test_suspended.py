@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+import pytest
 from processes import Laboratory, Program, laboratory
 
 HERE = Path(__file__).parent
@@ -64,13 +65,14 @@ def start_broker(lab: Laboratory) -> Program:
 
 
 @contextmanager
-def riding(build: Path, server_command: list[str | Path], medium: str) -> Iterator[Suspended]:
+def riding(
+    build: Path, server_command: list[str | Path], holder_command: list[str | Path], medium: str
+) -> Iterator[Suspended]:
     with tempfile.TemporaryDirectory(prefix="gecos-") as place:
         for lab in laboratory(Path(place), build):
             broker = start_broker(lab)
             server = lab.start(*server_command, ready="serving RAIL")
-            program = HERE / "programs" / "ask_of_rail.py"
-            holder = lab.start(sys.executable, program, medium, listens=True, ready="rides")
+            holder = lab.start(*holder_command, medium, listens=True, ready="rides")
             yield Suspended(lab, server_command, broker, server, holder)
             holder.end_of_input()
 
@@ -139,18 +141,37 @@ def another_server_meanwhile(lab: Suspended) -> None:
 SCENES = (broker_alive, broker_dead_on_waking, second_broker_on_waking, another_server_meanwhile)
 
 
-def test_a_laboratory_that_wakes_up_moves_only_what_a_broker_says_is_its(build: Path) -> None:
-    """All scenes at once: they mostly stand still."""
-    in_cpp: list[str | Path] = [build / "tests" / "system" / "rail" / "rail_server"]
-    in_python: list[str | Path] = [sys.executable, HERE / "rail" / "server.py"]
+@pytest.mark.parametrize(
+    ("holder", "servers"),
+    [
+        ("Python", {"C++": "shm", "Python": "lcm"}),
+        ("C++", {"C++": "lcm", "Python": "shm"}),
+    ],
+)
+def test_a_laboratory_that_wakes_up_moves_only_what_a_broker_says_is_its(
+    holder: str, servers: dict[str, str], build: Path
+) -> None:
+    """All scenes at once, with a server of each language: they mostly stand still."""
+    rail = build / "tests" / "system" / "rail"
+    serve: dict[str, list[str | Path]] = {
+        "C++": [rail / "rail_server"],
+        "Python": [sys.executable, HERE / "rail" / "server.py"],
+    }
+    hold: dict[str, list[str | Path]] = {
+        "C++": [rail / "ask_of_rail"],
+        "Python": [sys.executable, HERE / "programs" / "ask_of_rail.py"],
+    }
 
-    def play(scene: Callable[[Suspended], None], command: list[str | Path], medium: str) -> None:
-        with riding(build, command, medium) as lab:
+    def play(scene: Callable[[Suspended], None], server: str, medium: str) -> None:
+        with riding(build, serve[server], hold[holder], medium) as lab:
             scene(lab)
 
-    with ThreadPoolExecutor(2 * len(SCENES)) as stages:
-        played = [stages.submit(play, scene, in_cpp, "shm") for scene in SCENES]
-        played += [stages.submit(play, scene, in_python, "lcm") for scene in SCENES]
+    with ThreadPoolExecutor(len(servers) * len(SCENES)) as stages:
+        played = [
+            stages.submit(play, scene, server, medium)
+            for server, medium in servers.items()
+            for scene in SCENES
+        ]
     failed = [error for scene in played if (error := scene.exception()) is not None]
     if failed:
         raise BaseExceptionGroup("scenes", failed)
