@@ -434,7 +434,7 @@ TEST(ServerDiesAmongImages, AndEveryCallEndsAndNoMemoryIsLeft) {
   EXPECT_EQ(areas_seen(), 0u);
 }
 
-TEST(ClientStandsStillAmongImages, AndWhatWaitsForItHoldsUpNobodyElse) {
+TEST(ClientStandsStillAmongImages, AndTheRepliesThatWaitForItDelayNoOtherClient) {
   const Place place;
   Child slow(ask_for_images);
   const BrokerHere broker;
