@@ -5,6 +5,7 @@
 #include "await_detail.hpp"
 #include "child.hpp"
 #include "gecos/gecos.hpp"
+#include "hard_probe.hpp"
 #include "place.hpp"
 #include "probe.hpp"
 #include "written_lab_file.hpp"
@@ -217,22 +218,6 @@ TEST_P(Failover, EndsWithItsLab) {
   EXPECT_EQ(look.wait(), State::CommandFailed);
 }
 
-/// A Probe whose interface demands HARD_REALTIME.
-class HardProbe : public probe::Probe {
- public:
-  static const gecos::InterfaceDescription& gecos_description() {
-    static const gecos::InterfaceDescription described = [] {
-      gecos::InterfaceDescription demanding = probe::description();
-      demanding.quality.line = gecos::qos::Class::HardRealtime;
-      return demanding;
-    }();
-    return described;
-  }
-  HardProbe() = default;
-  explicit HardProbe(std::shared_ptr<gecos::session::ClientSession> session)
-      : gecos::Object(session), Probe(session) {}
-};
-
 TEST(FailoverOfHardRealtime, GoesByWhatTheLabFileStatesThen) {
   const Place place;
   const auto hardware = [](bool answers) {
@@ -244,7 +229,7 @@ TEST(FailoverOfHardRealtime, GoesByWhatTheLabFileStatesThen) {
   gecos::Lab lab({.lab_file = file.path()});
   first.line().say("go");
   ASSERT_EQ(first.line().hear(), "ready");
-  const auto robot = lab.create<HardProbe>("PROBE");
+  const auto robot = lab.create<probe::HardProbe>("PROBE");
   ASSERT_TRUE(robot) << robot.error();
   const auto look = robot->look(1);
   ASSERT_EQ(first.line().hear(), "look 1");

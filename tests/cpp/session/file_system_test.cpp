@@ -16,6 +16,7 @@
 #include "bench.hpp"
 #include "gecos/media/sealed/keys.hpp"
 #include "gecos/session/server/access_control.hpp"
+#include "hard_probe.hpp"
 #include "reporting_zone.hpp"
 
 namespace {
@@ -105,6 +106,24 @@ TEST_F(TheLabFile, ThatDoesNotAnswerDelaysNoSearchOfABrokerBeyondItsPatience) {
               std::string::npos)
         << created.error();
   }
+}
+
+TEST_F(ALabFileThatDoesNotAnswer, RefusesHardRealtimeWithinItsPatienceAndIsReadForNothingElse) {
+  ASSERT_TRUE(server_->add("PROBE", servant_, {.media = {kind_}}));
+  ASSERT_TRUE(lab_.create<probe::HardProbe>("PROBE", {.patience = 20s}));
+  const probe::HangingFiles hanging(lab_file);
+  const auto began = std::chrono::steady_clock::now();
+  const auto created = lab_.create<probe::HardProbe>("PROBE", {.patience = 100ms});
+  EXPECT_LT(std::chrono::steady_clock::now() - began, 5 * 100ms);
+  ASSERT_FALSE(created) << "the file might say that the medium is not real-time";
+  EXPECT_NE(created.error().to_string().find(
+                "class=HARD_REALTIME: the lab file, which may say that a medium is not real-time, "
+                "cannot be used: " +
+                lab_file + ": its file system does not answer; correct that"),
+            std::string::npos)
+      << created.error();
+  const auto other = lab_.create<probe::Probe>("PROBE", {.patience = 1h});
+  EXPECT_TRUE(other) << other.error();
 }
 
 TEST_F(TheLabFile, ThatIsBeingWrittenNamesTheBrokerWhenItIsComplete) {

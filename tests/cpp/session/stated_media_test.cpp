@@ -13,6 +13,7 @@
 #include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "gecos/session/client/select.hpp"
+#include "hard_probe.hpp"
 #include "written_lab_file.hpp"
 
 namespace {
@@ -24,6 +25,7 @@ using gecos::qos::Quality;
 using gecos::session::demands_hard_real_time;
 using gecos::session::line_of;
 using gecos::session::StatedMedia;
+using probe::HardProbe;
 
 const Quality hard{.line = Class::HardRealtime};
 
@@ -76,22 +78,6 @@ TEST(DemandsHardRealTime, IsTrueOfAnInterfaceAndOfEachOfItsMembersButNotOfASimul
   const std::array inward = {gecos::InwardDescription{.name = "target", .quality = hard}};
   EXPECT_TRUE(demands({.name = "lab::Lift", .inward_streams = inward}));
 }
-
-/// A Probe whose interface demands HARD_REALTIME.
-class HardProbe : public probe::Probe {
- public:
-  static const gecos::InterfaceDescription& gecos_description() {
-    static const gecos::InterfaceDescription described = [] {
-      gecos::InterfaceDescription demanding = probe::description();
-      demanding.quality = hard;
-      return demanding;
-    }();
-    return described;
-  }
-  HardProbe() = default;
-  explicit HardProbe(std::shared_ptr<gecos::session::ClientSession> session)
-      : gecos::Object(session), Probe(session) {}
-};
 
 constexpr const char* lcm_is_real_time = "[media.lcm]\nreal_time = true\n";
 constexpr const char* shm_is_not = "[media.shm]\nreal_time = false\n";
@@ -244,7 +230,7 @@ TEST_F(MediaOfALabFile, AreNoneWhileTheFileHasAnErrorAndThenOnlyHardRealtimeIsRe
   EXPECT_EQ(why_not({}), "it was created");
 }
 
-TEST_F(MediaOfALabFile, AreNotReadForASimulatedDevice) {
+TEST_F(MediaOfALabFile, DoNotMatterToASimulatedDevice) {
   probe::ProbeServant second;
   gecos::Server server(server_lab_);
   ASSERT_TRUE(server.add("SIMULATED", second, {.simulated = true, .media = {Kind::Shm}}));
