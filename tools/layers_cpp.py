@@ -20,7 +20,7 @@ CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|waiting)\.[hc]pp|ki
 DESCRIPTION = re.compile(r"^gecos/description\.[hc]pp$")
 # The headers that users and generated code include, and their sources.
 PUBLIC = re.compile(
-    r"^gecos/(?:binding|command|explanation|lab|line|loan|object|object_watch|reconnecting|builtin_operations|servant|serve|"
+    r"^gecos/(?:binding|command|explanation|lab|line|listener|loan|object|object_watch|reconnecting|builtin_operations|servant|serve|"
     r"server|stream|inward|writer)"
     r"\.[hc]pp$"
 )

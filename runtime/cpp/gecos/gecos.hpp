@@ -5,6 +5,7 @@
 #include "gecos/builtin_operations.hpp"
 #include "gecos/lab.hpp"
 #include "gecos/line.hpp"
+#include "gecos/listener.hpp"
 #include "gecos/object_watch.hpp"
 #include "gecos/reconnecting.hpp"
 #include "gecos/serve.hpp"

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "gecos/command.hpp"
 #include "gecos/media/medium.hpp"
@@ -101,6 +102,13 @@ class StreamCore {
   /// Lends the next unread sample, under the conditions of next(). Reads only the member
   /// `into.sequence` of `into`.
   virtual tl::expected<void, StreamEnd> lend_next(RawLent& into, TimePoint deadline) = 0;
+  /// Returns the samples that are kept now, as Stream::history() does. Changes nothing of what
+  /// next() and counts() return. At most one thread at a time may call this function, latest(),
+  /// next() and the functions that lend a sample.
+  virtual std::vector<RawSample> history() = 0;
+  /// Ends the waits of the reader: from now on next() returns only the samples that have arrived,
+  /// and then Nothing. Any thread may call this function.
+  virtual void stop_waiting() = 0;
   virtual bool lost() const = 0;
   /// Returns why the stream was lost; an empty text if the program closed its Lab, and while the
   /// stream is not lost.
@@ -113,6 +121,8 @@ class StreamCore {
   virtual std::optional<std::uint64_t> after() const { return std::nullopt; }
   virtual qos::StreamCounts counts() const = 0;
   virtual bool alive() const = 0;
+  /// Returns the stream and its object for messages, for example "stream 'pose' of RX90".
+  virtual std::string title() const = 0;
 };
 
 /// Records how far a reader has read a stream, in place or by copies. Only one thread may use it at
@@ -140,6 +150,9 @@ class ReadPosition {
 };
 
 }  // namespace session
+
+template <class T>
+class Listener;
 
 /// A subscription to a stream. Only one thread may read at a time. The subscription ends when its
 /// last copy is destroyed. A slow reader misses old samples, and Sample::lost says how many; the
@@ -195,6 +208,31 @@ class Stream {
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
   }
+  /// Returns the samples that are kept now, oldest first: at most as many as the `depth` of the
+  /// stream, and none that is older than its `lifespan`. Never waits. Leaves unchanged which sample
+  /// next() returns next, and what counts() returns. Sample::lost is the number of samples missing
+  /// between two samples of the history.
+  ///
+  /// Over inproc and shm, a history has the newest samples of the server, also those that were
+  /// published before the subscription, but after the first subscription of any client over this
+  /// medium. Over lcm, it has the samples that this reader has received, from the newest one at the
+  /// subscription on. The history of an event begins after the subscription, over every medium.
+  /// After a loss of the stream, the history stays; after the Lab was closed, it is empty. When the
+  /// proxy has moved to another medium (`on_degraded="failover"`), the history begins again with
+  /// the samples that the new medium keeps; until next() has read all samples of the old medium,
+  /// the history has the samples of both.
+  std::vector<Sample<T>> history() {
+    std::vector<Sample<T>> kept;
+    for (const session::RawSample& raw : core_->history()) {
+      wire::Decoder from(raw.bytes);
+      Sample<T> sample;
+      if (!decode_(from, sample.value)) continue;
+      take_place(sample, raw);
+      sample.lost = kept.empty() ? 0 : raw.sequence - kept.back().sequence - 1;
+      kept.push_back(std::move(sample));
+    }
+    return kept;
+  }
   /// Returns true when the server is gone, is silent or has closed the session, or when the Lab was
   /// closed. Then latest() returns nullopt, and next() returns only the samples that had arrived
   /// before, or none if the Lab was closed.
@@ -216,6 +254,8 @@ class Stream {
   std::uint64_t unreadable() const { return unreadable_; }
 
  private:
+  friend class Listener<T>;
+
   std::optional<Sample<T>> decoded() {
     const session::RawSample& raw = position_.sample();
     wire::Decoder from(raw.bytes);
@@ -254,9 +294,12 @@ class Stream {
     last_unreadable_ = sequence;
   }
   void note_read(auto& sample, const auto& raw) {
-    sample.sequence = raw.sequence;
+    take_place(sample, raw);
     sample.lost = read_ && raw.sequence > *read_ + 1 ? raw.sequence - *read_ - 1 : 0;
     read_ = raw.sequence;
+  }
+  static void take_place(auto& sample, const auto& raw) {
+    sample.sequence = raw.sequence;
     sample.stamp = static_cast<double>(raw.stamp_ns) * 1e-9;
     sample.age = raw.age;
   }

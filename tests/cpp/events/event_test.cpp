@@ -1,9 +1,12 @@
 // Events from a generated server to a generated client, over every medium.
 #include <gtest/gtest.h>
 
+#include <condition_variable>
+#include <mutex>
 #include <thread>
 
 #include "../media/kind_names.hpp"
+#include "../settles.hpp"
 #include "button_client.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
@@ -123,6 +126,48 @@ TEST_P(Events, AnEventOutOfRangeIsNotSent) {
   ASSERT_TRUE(event) << event.error();
   EXPECT_EQ(event->value.who, "weak");
   EXPECT_EQ(event->lost, 0U);
+}
+
+TEST_P(Events, HaveAHistoryThatBeginsAfterTheSubscriptionAndIsAsLongAsTheirDepth) {
+  auto early = alarm_.lifted(gecos::stream).value();
+  ASSERT_TRUE(alarm_.lift(3).get());
+  EXPECT_TRUE(settles([&] { return early.history().size() == 3; }));
+  auto late = alarm_.lifted(gecos::stream).value();
+  EXPECT_TRUE(late.history().empty()) << "those events are over";
+  ASSERT_TRUE(alarm_.lift(1).get());
+  const auto newest = [](auto& events) {
+    const auto kept = events.history();
+    return kept.empty() ? 0 : kept.back().sequence;
+  };
+  EXPECT_TRUE(settles([&] { return newest(late) == 4; }));
+  EXPECT_EQ(late.history().size(), 1U);
+  EXPECT_TRUE(settles([&] { return newest(early) == 4; }));
+  EXPECT_EQ(early.history().size(), 4U);
+  ASSERT_TRUE(alarm_.lift(1).get());
+  EXPECT_TRUE(settles([&] { return newest(early) == 5; }));
+  const auto kept = early.history();
+  EXPECT_EQ(kept.size(), 4U) << "the depth of the event";
+  EXPECT_EQ(kept.front().sequence, 2U);
+  EXPECT_EQ(late.next(10s)->sequence, 4U) << "the history reads nothing";
+}
+
+TEST_P(Events, AreGivenToAFunctionOnceAndInOrder) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::string> told;
+  auto listening = gecos::listen(alarm_.pressed(gecos::stream).value(), [&](const auto& event) {
+    const std::lock_guard lock(mutex);
+    told.push_back(event.value.who);
+    changed.notify_all();
+  });
+  press("ann", 2.5, 2);
+  press("bob", 0.5, 1);
+  {
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(changed.wait_for(lock, 30s, [&] { return told.size() == 3; }));
+  }
+  listening.close();
+  EXPECT_EQ(told, (std::vector<std::string>{"ann", "ann", "bob"}));
 }
 
 TEST_P(Events, NeedTheStatusThatTheyDeclare) {

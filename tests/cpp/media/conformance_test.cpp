@@ -660,6 +660,27 @@ TEST_P(Conformance, AConnectionMayGoWhileAStreamIsPublished) {
   publishing.join();
 }
 
+TEST_P(Conformance, TheNewestSamplesOfTheDepthAreStoredAndReadingTakesNone) {
+  const auto writer = acceptor_->make_stream(16, 3);
+  ASSERT_TRUE(server_.connection->share(1, *writer));
+  const auto reader = client_.wait_for_stream(1);
+  ASSERT_NE(reader, nullptr);
+  EXPECT_TRUE(reader->stored().empty());
+  StreamSample sample;
+  for (std::uint64_t i = 1; i <= 10; ++i) {
+    ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), static_cast<std::int64_t>(1000 + i)));
+    ASSERT_TRUE(client_.wait([&] { return reader->latest(i - 1, sample); }));
+    const auto stored = reader->stored();
+    ASSERT_EQ(stored.size(), std::min<std::uint64_t>(i, 3));
+    for (std::size_t k = 0; k < stored.size(); ++k) {
+      const std::uint64_t sequence = i - stored.size() + k + 1;
+      EXPECT_EQ(stored[k].sequence, sequence);
+      EXPECT_EQ(stored[k].stamp_ns, static_cast<std::int64_t>(1000 + sequence));
+      EXPECT_EQ(text_of(stored[k].bytes), std::to_string(sequence));
+    }
+  }
+}
+
 TEST_P(Conformance, SamplesOfAClientGoInward) {
   const auto writer = client_.connection->make_stream(100, 4);
   ASSERT_TRUE(client_.connection->share(7, *writer));
@@ -819,6 +840,7 @@ TEST_P(Conformance, AStreamThatMovesOnTakesItsLoanAndItsSamplesAlong) {
   EXPECT_EQ(seen.back(), "after");
   if (medium_->capabilities().reliable) {
     EXPECT_EQ(seen, (std::vector<std::string>{"during", "after"}));
+    EXPECT_EQ(reader->stored().size(), 3u) << "with the one before";
   }
 }
 

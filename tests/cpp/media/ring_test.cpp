@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <random>
 #include <string>
@@ -172,6 +173,11 @@ TEST(StreamRing, NoReaderSeesATornSample) {
     done.store(true);
   });
   const auto reader = stream.watches.open(stream.memory, stream.mapping);
+  const auto whole = [](const StreamSample& sample) {
+    return sample.stamp_ns == static_cast<std::int64_t>(sample.sequence) &&
+           sample.bytes ==
+               Bytes(8 + sample.sequence % 500, static_cast<std::byte>(sample.sequence));
+  };
   StreamSample sample;
   std::uint64_t read = 0;
   for (bool last = false; !last;) {
@@ -179,11 +185,10 @@ TEST(StreamRing, NoReaderSeesATornSample) {
     while (read % 2 == 0 ? reader->next(sample.sequence, sample)
                          : reader->latest(sample.sequence, sample)) {
       ++read;
-      ASSERT_EQ(sample.stamp_ns, static_cast<std::int64_t>(sample.sequence));
-      ASSERT_EQ(sample.bytes.size(), 8 + sample.sequence % 500);
-      for (const std::byte byte : sample.bytes) {
-        ASSERT_EQ(byte, static_cast<std::byte>(sample.sequence));
-      }
+      ASSERT_TRUE(whole(sample)) << sample.sequence;
+      const auto stored = reader->stored();
+      ASSERT_LE(stored.size(), 2u);
+      ASSERT_TRUE(std::ranges::all_of(stored, whole));
     }
   }
   writing.join();
@@ -231,6 +236,9 @@ TEST(StreamRing, AWriterThatLiesNeverLeadsTheReaderAstray) {
     if (reader->next(0, sample)) {
       EXPECT_LE(sample.bytes.size(), 64u);
     }
+    const auto stored = reader->stored();
+    EXPECT_LE(stored.size(), 4u);
+    for (const StreamSample& kept : stored) EXPECT_LE(kept.bytes.size(), 64u);
   }
 }
 

@@ -23,6 +23,8 @@ TEST(Reception, ASampleIsReadableAtItsLifespanAndNotAfterIt) {
   EXPECT_TRUE(reads.take(Way::InOrder, 1, start, start + 20ms));
   EXPECT_TRUE(reads.still_valid(start + 20ms));
   EXPECT_FALSE(reads.still_valid(start + 20ms + 1ns));
+  EXPECT_FALSE(reads.expired(start, start + 20ms));
+  EXPECT_TRUE(reads.expired(start, start + 20ms + 1ns));
   EXPECT_FALSE(reads.take(Way::InOrder, 2, start, start + 20ms + 1ns));
   EXPECT_EQ(reads.counts(), (StreamCounts{.received = 1, .expired = 1}));
 }
@@ -187,7 +189,7 @@ class World {
       case 8:
         return read(Way::Newest);
       default:
-        return;  // nothing happens for a while
+        return see_history();  // nothing else happens for a while
     }
   }
 
@@ -241,6 +243,13 @@ class World {
     }
     EXPECT_EQ(reads_.writer_alive(), alive());
     if (pick(0, 1) == 0) expect_report();
+  }
+
+  /// A history has the stored samples that are fresh, and changes no count (compare()).
+  void see_history() {
+    for (const Published& each : stored()) {
+      EXPECT_NE(reads_.expired(each.measured, now_), fresh(each)) << each.sequence;
+    }
   }
 
   void expect_report() {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <csignal>
 #include <fstream>
+#include <future>
 #include <sstream>
 #include <thread>
 
@@ -96,6 +97,27 @@ TEST_P(ServerDies, AndEveryCommandEndsInAStateThatSaysWhatIsKnown) {
             "subscribe again");
   EXPECT_TRUE(stream->lost() && !stream->latest());
   EXPECT_EQ(move.state(), State::CommandFailed) << "it never changes";
+}
+
+TEST_P(ServerDies, AndAListenerIsToldTheReason) {
+  const BrokerHere broker;
+  child_.line().say("go");
+  ASSERT_EQ(child_.line().hear(), "ready");
+  gecos::Lab lab;
+  auto robot = lab.create<probe::Probe>("PROBE");
+  ASSERT_TRUE(robot) << robot.error();
+  auto level = robot->level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  std::promise<std::pair<gecos::StreamEnd, std::string>> told;
+  const auto listening = gecos::listen(
+      *std::move(level), [](const gecos::Sample<std::int32_t>&) {},
+      [&](gecos::StreamEnd end, const std::string& why) {
+        told.set_value({end, why});
+      });
+  child_.kill_at_once();
+  const auto [end, why] = told.get_future().get();
+  EXPECT_EQ(end, gecos::StreamEnd::Lost);
+  EXPECT_NE(why.find(GetParam() == Kind::Shm ? "died" : "silent"), std::string::npos) << why;
 }
 
 class ServerStandsStill : public ::testing::TestWithParam<Kind> {

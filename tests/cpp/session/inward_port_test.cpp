@@ -422,6 +422,7 @@ TEST_F(Port, AHostileSenderDelaysOneReadForABoundedTime) {
       into.bytes.assign(inward_header_size + measured_bytes, std::byte{});
       return true;
     }
+    std::vector<media::StreamSample> stored() override { return {}; }
   };
   Feeder mallory = Sender(66).feeder();
   mallory.reader = std::make_unique<Endless>();

@@ -212,6 +212,64 @@ TEST_F(LineFailover, SamplesThatWerePublishedMeanwhileAreReadOrCounted) {
   EXPECT_EQ(level->counts().lost, lost);
 }
 
+TEST_F(LineFailover, AListenerGoesOnOverTheOtherMediumAndEndsItsWaitThere) {
+  const auto robot = create();
+  LineWatch watch(robot);
+  auto level = robot.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  std::promise<std::int32_t> heard;
+  auto listening = gecos::listen(*std::move(level), [&](const gecos::Sample<std::int32_t>& sample) {
+    heard.set_value(sample.value);
+  });
+  slow_down(delays.shm);
+  ASSERT_EQ(await(watch, 2).medium, "lcm");
+  EXPECT_TRUE(settles([&] { return only_over_lcm(robot); })) << "the reader has left shm";
+  servant_.publish(5);
+  EXPECT_EQ(heard.get_future().get(), 5);
+  auto closing = std::async(std::launch::async, [&] { listening.close(); });
+  EXPECT_EQ(closing.wait_for(30s), std::future_status::ready);
+}
+
+TEST_F(LineFailover, AStreamWhoseWaitsHaveEndedDoesNotWaitOverTheOtherMediumEither) {
+  const auto robot = create();
+  LineWatch watch(robot);
+  const auto core = robot.session()->subscribe(probe::description().streams[0]);
+  ASSERT_TRUE(core) << core.error();
+  (*core)->stop_waiting();
+  slow_down(delays.shm);
+  ASSERT_EQ(await(watch, 2).medium, "lcm");
+  gecos::session::RawSample sample;
+  auto read = std::async(std::launch::async,
+                         [&] { return (*core)->next(sample, gecos::TimePoint::max()); });
+  EXPECT_EQ(read.wait_for(30s), std::future_status::ready);
+  servant_.publish(1);  // ends a wait that goes on
+  EXPECT_FALSE(read.get());
+  EXPECT_TRUE(settles([&] { return only_over_lcm(robot); })) << "it reads over lcm";
+}
+
+TEST_F(LineFailover, AHistoryHasTheSamplesOfBothMediaUntilTheReaderHasLeftTheFirst) {
+  const auto robot = create();
+  LineWatch watch(robot);
+  auto level = robot.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  const auto values = [&] {
+    std::vector<std::int32_t> kept;
+    for (const auto& sample : level->history()) kept.push_back(sample.value);
+    return kept;
+  };
+  for (const int value : {1, 2, 3}) servant_.publish(value);
+  EXPECT_EQ(values(), (std::vector{1, 2, 3}));
+  slow_down(delays.shm);
+  ASSERT_EQ(await(watch, 2).medium, "lcm");
+  servant_.publish(4);
+  EXPECT_TRUE(settles([&] { return values() == (std::vector{1, 2, 3, 4}); }));
+  for (const int value : {1, 2, 3, 4}) EXPECT_EQ(level->next(60s)->value, value);
+  EXPECT_TRUE(settles([&] { return only_over_lcm(robot); })) << "the reader has left shm";
+  const auto kept = values();
+  EXPECT_LE(kept.size(), 2u) << "what lcm has kept since the move: 4, and 3 if it came before";
+  EXPECT_EQ(kept.back(), 4);
+}
+
 TEST_F(LineFailover, ACallThatRunsEndsInTheSessionThatIssuedIt) {
   std::promise<gecos::IncomingCall> came;
   servant_.on_read([&](gecos::IncomingCall call) { came.set_value(std::move(call)); });

@@ -181,6 +181,10 @@ class StreamReader {
   virtual std::optional<LentSample> lend_latest(std::uint64_t after) = 0;
   /// Returns the oldest stored sample after `after` like next(), but without a copy.
   virtual std::optional<LentSample> lend_next(std::uint64_t after) = 0;
+  /// Returns copies of all stored samples, oldest first, at most as many as the depth of the
+  /// stream. Memory that the writer shares may also store samples that are older than the reader.
+  /// A sample that the writer overwrites meanwhile is left out.
+  virtual std::vector<StreamSample> stored() = 0;
 };
 
 inline constexpr std::size_t shared_word_count = 4;

@@ -22,15 +22,15 @@ bool Reception::take(Way way, std::uint64_t sequence, TimePoint measured, TimePo
   silent_from_ = now;
   reported_ = false;
   missed_here_.reset();
-  const bool expired = lifespan_ > Duration{} && now - measured > lifespan_;
-  (expired ? expired_ : received_).add(1);
-  return !expired;
+  const bool too_old = expired(measured, now);
+  (too_old ? expired_ : received_).add(1);
+  return !too_old;
 }
 
 void Reception::find_nothing(TimePoint now) { count_missed(periods_in(now - silent_from_)); }
 
 bool Reception::still_valid(TimePoint now) const {
-  return writer_alive() && (lifespan_ <= Duration{} || now - measured_ <= lifespan_);
+  return writer_alive() && !expired(measured_, now);
 }
 
 bool Reception::report_late() {

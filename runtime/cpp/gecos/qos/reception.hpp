@@ -42,6 +42,11 @@ class Reception {
   bool take(Way way, std::uint64_t sequence, TimePoint measured, TimePoint now);
   /// Must be called when there is no unread sample at the time `now`.
   void find_nothing(TimePoint now);
+  /// Returns whether a sample that was measured at `measured` is older than the lifespan at `now`.
+  /// Any thread may call this function.
+  bool expired(TimePoint measured, TimePoint now) const {
+    return lifespan_ > Duration{} && now - measured > lifespan_;
+  }
   /// Returns whether the reader may get the last sample once more at the time `now`.
   bool still_valid(TimePoint now) const;
   /// Returns true once after find_nothing() has found that a deadline has passed without a sample.

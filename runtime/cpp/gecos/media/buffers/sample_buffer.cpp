@@ -41,6 +41,11 @@ bool SampleBuffer::read(std::uint64_t after, bool newest, StreamSample& into) {
   return true;
 }
 
+std::vector<StreamSample> SampleBuffer::stored() const {
+  const MutexLock lock(mutex_);
+  return {samples_.begin(), samples_.end()};
+}
+
 bool SampleBuffer::anything_new() {
   const MutexLock lock(mutex_);
   const std::uint64_t newest = samples_.empty() ? 0 : samples_.back().sequence;

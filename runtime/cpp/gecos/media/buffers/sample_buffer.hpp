@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <deque>
 #include <memory>
+#include <vector>
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/medium.hpp"
@@ -26,6 +27,8 @@ class SampleBuffer {
   /// Reads a sample like StreamReader::latest() if `newest` is true; otherwise like
   /// StreamReader::next().
   bool read(std::uint64_t after, bool newest, StreamSample& into);
+  /// Returns copies of all stored samples, oldest first.
+  std::vector<StreamSample> stored() const;
   /// Returns whether a sample has arrived that neither read() nor an earlier call of this function
   /// has seen.
   bool anything_new();

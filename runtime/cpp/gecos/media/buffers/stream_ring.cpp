@@ -263,6 +263,18 @@ std::optional<LentSample> StreamRingReader::lend_next(std::uint64_t after) {
   return lend_latest(after);  // the writer is too fast: it overwrites the newest sample last
 }
 
+std::vector<StreamSample> StreamRingReader::stored() {
+  const StreamMemory& memory = memory_now();
+  const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
+  std::vector<StreamSample> samples;
+  // `newest` may have any value if the peer is malicious, so the loop counts up to the depth.
+  for (std::uint64_t left = std::min<std::uint64_t>(newest, memory.depth); left > 0; --left) {
+    StreamSample sample;
+    if (read_sample(memory, newest - left + 1, sample)) samples.push_back(std::move(sample));
+  }
+  return samples;
+}
+
 std::unique_ptr<StreamReader> StreamWatches::open(StreamMemory memory,
                                                   std::shared_ptr<void> owner) {
   return std::make_unique<StreamRingReader>(watch(memory, std::move(owner)));

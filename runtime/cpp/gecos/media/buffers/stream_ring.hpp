@@ -130,6 +130,7 @@ class StreamRingReader : public StreamReader {
   bool next(std::uint64_t after, StreamSample& into) override;
   std::optional<LentSample> lend_latest(std::uint64_t after) override;
   std::optional<LentSample> lend_next(std::uint64_t after) override;
+  std::vector<StreamSample> stored() override;
 
  private:
   const StreamMemory& memory_now();

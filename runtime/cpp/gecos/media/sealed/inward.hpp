@@ -81,6 +81,7 @@ class InwardReader final : public CopyingReader {
   bool next(std::uint64_t after, StreamSample& into) override {
     return samples_->read(after, false, into);
   }
+  std::vector<StreamSample> stored() override { return samples_->stored(); }
 
  private:
   const std::shared_ptr<SampleBuffer> samples_;

@@ -103,6 +103,11 @@ bool SampleQueue::read(std::uint64_t after, bool newest, StreamSample& into) {
   return samples_.read(after, newest, into);
 }
 
+std::vector<StreamSample> SampleQueue::stored() {
+  port_->pump();
+  return samples_.stored();
+}
+
 bool SampleQueue::anything_new() {
   port_->pump();
   return samples_.anything_new();

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/crypto/stream_seal.hpp"
@@ -75,6 +76,7 @@ class SampleQueue {
   /// key.
   void take_key(const crypto::StreamKey& key);
   bool read(std::uint64_t after, bool newest, StreamSample& into);
+  std::vector<StreamSample> stored();
   /// Returns whether a sample has arrived that neither the reader nor an earlier call has seen.
   bool anything_new();
 
@@ -100,6 +102,7 @@ class SealedStreamReader final : public CopyingReader {
   bool next(std::uint64_t after, StreamSample& into) override {
     return queue_->read(after, false, into);
   }
+  std::vector<StreamSample> stored() override { return queue_->stored(); }
 
  private:
   SealedStreamReader(std::shared_ptr<SampleQueue> queue, DatagramPort& port,

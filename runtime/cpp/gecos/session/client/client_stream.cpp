@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ostream>
+#include <utility>
 
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/runtime.hpp"
@@ -93,6 +94,7 @@ ClientStream::ClientStream(std::shared_ptr<ClientConnection> session,
                            const ClientStream* earlier)
     : session_(std::move(session)),
       code_(stream.code),
+      title_("stream '" + std::string(stream.name) + "' of " + session_->object_name()),
       reader_(std::move(reader)),
       opened_at_(newest),
       after_(earlier != nullptr ? earlier->after_
@@ -201,6 +203,19 @@ bool ClientStream::await_sample(FunctionRef<bool()> read, TimePoint deadline) {
       },
       deadline);
   return got;
+}
+
+std::vector<RawSample> ClientStream::history() {
+  std::vector<RawSample> kept;
+  if (session_->closed()) return kept;
+  const TimePoint now = session_->runtime().clock().since_boot();
+  for (media::StreamSample& stored : reader_->stored()) {
+    if (stored.sequence <= after_.value_or(0)) continue;  // an event before the subscription
+    RawSample sample{std::move(stored), {}, {}};
+    date(sample, now);
+    if (!reception_->expired(sample.measured, now)) kept.push_back(std::move(sample));
+  }
+  return kept;
 }
 
 void ClientStream::stop_waiting() {

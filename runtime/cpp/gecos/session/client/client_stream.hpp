@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gecos/base/function_ref.hpp"
 #include "gecos/object.hpp"
@@ -29,19 +30,19 @@ class ClientStream final : public StreamCore {
   tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
   bool lend_latest(RawLent& into) override;
   tl::expected<void, StreamEnd> lend_next(RawLent& into, TimePoint deadline) override;
+  std::vector<RawSample> history() override;
+  void stop_waiting() override;
   bool lost() const override;
   std::string loss_text() const override;
   bool revoked() const override;
   std::optional<std::uint64_t> after() const override { return after_; }
   qos::StreamCounts counts() const override { return reception_->counts(); }
   bool alive() const override { return !lost() && reception_->writer_alive(); }
+  std::string title() const override { return title_; }
 
   /// Returns the number of the newest sample when the server accepted the subscription. The reader
   /// gets all later samples.
   std::uint64_t opened_at() const { return opened_at_; }
-  /// Ends the waits of the reader: from now on next() returns only the samples that have arrived,
-  /// and then Nothing. Any thread may call this function.
-  void stop_waiting();
 
  private:
   /// Waits until `read` returns true; `read` has then stored a sample in `into`.
@@ -55,6 +56,7 @@ class ClientStream final : public StreamCore {
 
   const std::shared_ptr<ClientConnection> session_;
   const FunctionCode code_;
+  const std::string title_;
   const std::unique_ptr<media::StreamReader> reader_;
   const std::uint64_t opened_at_;
   const std::optional<std::uint64_t> after_;

@@ -1,5 +1,7 @@
 #include "gecos/session/client/movable_stream.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace gecos::session {
@@ -13,8 +15,15 @@ void MovableStream::go_on_in(std::shared_ptr<ClientStream> core) {
   {
     const MutexLock lock(mutex_);
     core_.swap(core);
+    if (stopped_) core_->stop_waiting();
   }
   core->stop_waiting();
+}
+
+void MovableStream::stop_waiting() {
+  const MutexLock lock(mutex_);
+  stopped_ = true;
+  core_->stop_waiting();
 }
 
 /// Makes `core` the stream from which the reader reads. The previous stream is destroyed on the
@@ -34,6 +43,22 @@ bool MovableStream::latest(RawSample& into) {
 bool MovableStream::lend_latest(RawLent& into) {
   read_from(core());
   return read_->lend_latest(into);
+}
+
+std::vector<RawSample> MovableStream::history() {
+  const auto newest = core();
+  auto kept = read_->history();
+  if (read_ == newest) return kept;
+  // The reader has not changed to the new medium yet. Each of the two media may keep samples that
+  // the other one does not have.
+  auto newer = newest->history();
+  if (!newer.empty()) {
+    std::erase_if(kept, [first = newer.front().sequence](const RawSample& sample) {
+      return sample.sequence >= first;
+    });
+  }
+  std::ranges::move(newer, std::back_inserter(kept));
+  return kept;
 }
 
 tl::expected<void, StreamEnd> MovableStream::next(RawSample& into, TimePoint deadline) {

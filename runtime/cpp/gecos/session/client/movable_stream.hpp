@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gecos/base/function_ref.hpp"
 #include "gecos/base/mutex.hpp"
@@ -36,12 +37,15 @@ class MovableStream final : public StreamCore {
   tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
   bool lend_latest(RawLent& into) override;
   tl::expected<void, StreamEnd> lend_next(RawLent& into, TimePoint deadline) override;
+  std::vector<RawSample> history() override;
+  void stop_waiting() override;
   bool lost() const override { return core()->lost(); }
   std::string loss_text() const override { return core()->loss_text(); }
   bool revoked() const override { return core()->revoked(); }
   std::optional<std::uint64_t> after() const override { return core()->after(); }
   qos::StreamCounts counts() const override { return core()->counts(); }
   bool alive() const override { return core()->alive(); }
+  std::string title() const override { return core()->title(); }
 
  private:
   tl::expected<void, StreamEnd> next_of(const std::uint64_t& sequence,
@@ -54,6 +58,7 @@ class MovableStream final : public StreamCore {
   std::shared_ptr<ClientStream> read_;  ///< what the reader reads; used by the reader only
   mutable FutexMutex mutex_;
   std::shared_ptr<ClientStream> core_ GECOS_GUARDED_BY(mutex_);
+  bool stopped_ GECOS_GUARDED_BY(mutex_) = false;  ///< stop_waiting() was called
 };
 
 }  // namespace gecos::session
