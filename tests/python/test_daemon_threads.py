@@ -73,6 +73,11 @@ async def read():
 def call():
     asyncio.run(read())
 """,
+    "has a function called for each sample": """
+def call():
+    lamp.level.stream().listen(lambda sample: None)
+    threading.Event().wait()
+""",
     "calls one operation after the other": """
 def call():
     while True:

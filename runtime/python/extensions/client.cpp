@@ -323,6 +323,17 @@ nb::object latest_in_place(StreamHandle& self) {
   });
 }
 
+/// Returns the samples that are kept now as tuples, oldest first.
+nb::list history(const StreamHandle& self) {
+  nb::list samples;
+  const auto core = self.get();
+  if (core == nullptr) return samples;
+  for (const auto& sample : without_gil([&] { return core->history(); })) {
+    samples.append(as_tuple(sample));
+  }
+  return samples;
+}
+
 using Got = tl::expected<void, StreamEnd>;
 
 /// Waits for the next sample of a stream. `read` reads the sample without the GIL, and `given` then
@@ -529,6 +540,7 @@ void bind_client(nb::module_& module) {
       .def("next", &next, nb::arg("timeout").none())
       .def("latest_in_place", &latest_in_place)
       .def("next_in_place", &next_in_place, nb::arg("timeout").none())
+      .def("history", &history)
       .def("counts", &counts)
       .def("alive",
            [](const StreamHandle& self) {

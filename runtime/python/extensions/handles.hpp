@@ -168,8 +168,13 @@ class StreamHandle {
     const auto open = get();
     return open ? open->counts() : last_counts_;
   }
+  /// Ends the subscription. A thread that waits for a sample is woken, and finds the stream closed
+  /// once `drop` has released the GIL.
   void close() {
-    if (core_ != nullptr && !owner_.inherited()) last_counts_ = core_->counts();
+    if (core_ != nullptr && !owner_.inherited()) {
+      last_counts_ = core_->counts();
+      core_->stop_waiting();
+    }
     drop(core_, owner_);
   }
 

@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from gecos.line import LineState as LineState
     from gecos.line import LineWatch as LineWatch
     from gecos.line import line_state as line_state
+    from gecos.listener import Listener as Listener
     from gecos.object_watch import ObjectWatch as ObjectWatch
     from gecos.proxy import Event as Event
     from gecos.proxy import Object as Object
@@ -107,6 +108,7 @@ _NAMES = {
     "lab": "Lab",
     "lease": "Lease actor master",
     "line": "LineState LineWatch line_state",
+    "listener": "Listener",
     "object_watch": "ObjectWatch",
     "proxy": "Event Object StreamAttribute reference with_deadline",
     "builtin_operations": "Outcome break_status deny describe give_back holders model outcome ping "

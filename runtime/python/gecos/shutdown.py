@@ -43,13 +43,15 @@ _starting = threading.RLock()
 _over = False
 
 
-def begin_thread(name: str, run: Callable[..., None], *words: object) -> None:
-    """Starts a daemon thread. Raises RuntimeError once the program is ending, because a thread that
-    starts while the interpreter shuts down would crash the program."""
+def begin_thread(name: str, run: Callable[..., None], *words: object) -> threading.Thread:
+    """Starts a daemon thread and returns it. Raises RuntimeError once the program is ending,
+    because a thread that starts while the interpreter shuts down would crash the program."""
     with _starting:
         if _over:
             raise RuntimeError(f"{name}: cannot start a thread, because the program is ending")
-        threading.Thread(target=run, args=words, name=name, daemon=True).start()
+        thread = threading.Thread(target=run, args=words, name=name, daemon=True)
+        thread.start()
+        return thread
 
 
 @atexit.register

@@ -20,6 +20,7 @@ from gecos.wire.plans import from_start
 
 if TYPE_CHECKING:
     from gecos import _core
+    from gecos.listener import Listener
     from gecos.reader import Turn
     from gecos.wire.in_place import OctetsInPlace
 
@@ -89,6 +90,7 @@ class Stream(Generic[T]):
         self._reading = threading.Lock()
         self._waits = False  # True while a reader waits for a sample
         self._turn: Turn[T] | None = None  # the awaiting reader in an `async for`
+        self._listened = False  # True once a Listener reads
         self._closed = False
         self._is_lost = False
         self._after = core.after
@@ -145,13 +147,13 @@ class Stream(Generic[T]):
             )
 
     @contextlib.contextmanager
-    def _turn_to_look(self) -> Iterator[None]:
+    def _turn_to_look(self, call: str = "latest()") -> Iterator[None]:
         """Makes this thread the only reader of the stream, for one read that does not wait for a
-        sample."""
+        sample. `call` is the read, for the error text."""
         while self._occupied() or not self._reading.acquire(timeout=_MOMENT):
             if self._occupied():
                 raise RuntimeError(
-                    f"stream {self._name}: latest() would block, because another thread or task "
+                    f"stream {self._name}: {call} would block, because another thread or task "
                     "waits for the next sample; open a stream for each thread or task"
                 )
         try:
@@ -173,6 +175,59 @@ class Stream(Generic[T]):
         if sample is None:
             raise EOFError(f"stream {self._name} was closed")
         return sample
+
+    def listen(
+        self,
+        callback: Callable[[Sample[T]], object],
+        ended: Callable[[StreamLost], object] | None = None,
+    ) -> Listener[T]:
+        """Calls `callback` for each sample from the next unread one on, on a dedicated thread,
+        until the returned Listener or this stream is closed. From now on no other thread may read
+        the stream.
+
+        Once the stream is lost, `ended` is called once, with the exception that `next` would raise;
+        then nothing more is called. `ended` is not called after `close()`. Without `ended`, the log
+        reports the loss, except when the program closed the Lab. If one of the functions raises an
+        exception, the log reports it, and the Listener goes on. A missed deadline is not reported.
+
+        Raises RuntimeError if the stream has a Listener, and once the program is ending.
+        """
+        from gecos.listener import Listener  # not at the top, because few programs need it
+
+        if self._listened:
+            raise RuntimeError(
+                f"stream {self._name} has a Listener already; open a stream for each Listener"
+            )
+        self._listened = True
+        return Listener(self, callback, ended)
+
+    def history(self) -> list[Sample[T]]:
+        """Returns the samples that are kept now, oldest first: at most as many as the depth of the
+        stream, and none that is older than its lifespan. Never waits for a sample. Leaves unchanged
+        which sample `next` returns next, and `counts`. `Sample.lost` is the number of samples
+        missing between two samples of the history.
+
+        Over inproc and shm, a history has the newest samples of the server, also those that were
+        published before the subscription, but after the first subscription of any client over this
+        medium. Over lcm, it has the samples that this reader has received, from the newest one at
+        the subscription on. The history of an event begins after the subscription, over every
+        medium. After a loss of the stream, the history stays; after `close()`, and after the Lab
+        was closed, it is empty. When the proxy has moved to another medium
+        (`on_degraded="failover"`), the history begins again with the samples that the new medium
+        keeps; until all samples of the old medium were read, the history has the samples of both.
+
+        Raises RuntimeError while another thread or task waits in `next` of the same stream.
+        """
+        kept: list[Sample[T]] = []
+        with self._turn_to_look("history()"):
+            for raw, sequence, stamp_ns, measured_ns in self._core.history():
+                with contextlib.suppress(DecodeError):
+                    value = self._decode(raw)
+                    lost = sequence - kept[-1].sequence - 1 if kept else 0
+                    kept.append(
+                        Sample(value, sequence, lost, stamp_ns * 1e-9, age=_age(measured_ns))
+                    )
+        return kept
 
     @property
     def unreadable(self) -> int:
