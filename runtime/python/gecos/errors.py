@@ -220,7 +220,9 @@ class CreateError(ConnectionError):
         self.attempts = tuple(attempts)
 
     def __str__(self) -> str:
-        reasons = (f"{a.name}: {a.detail.name}: {a.reason}" for a in self.attempts)
+        reasons = (
+            f"{a.name}{': ' if a.name else ''}{a.detail.name}: {a.reason}" for a in self.attempts
+        )
         return "; ".join(reasons) or "create was given no name"
 
 

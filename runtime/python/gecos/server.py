@@ -190,6 +190,8 @@ def serve(
     `users` and `hosts` may connect, in addition to the user of this process on this host; see
     `Server.allow`. `insecure=True` admits every user and host to simulated objects; see `Server`.
 
+    Raises ValueError without a servant, and TypeError if `servants` is not a mapping.
+
     `publish(ended)` runs on a thread of its own while the objects are served: it measures and
     publishes until the event `ended` is set. If `publish` raises an exception, `serve` ends and
     raises it again.
@@ -199,6 +201,13 @@ def serve(
             "call gecos.serve from the main thread, because only that thread receives signals; in "
             "another thread use `with gecos.Server(lab) as server: server.add(…)`"
         )
+    if not isinstance(servants, Mapping):
+        raise TypeError(
+            f"gecos.serve takes servants by their names: write gecos.serve({{'NAME': servant}}), "
+            f"not {servants!r}"
+        )
+    if not servants:
+        raise ValueError("gecos.serve was given no servant: write gecos.serve({'NAME': servant})")
     # TerminationSignals must be the inner context. Then a signal that arrives while the server
     # closes ends the program, even if a handler or `publish` hangs.
     with (

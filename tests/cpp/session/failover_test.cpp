@@ -132,7 +132,7 @@ TEST_P(FailoverOnOneHost, EndsWithTheDeadlineWhenThatIsEarlier) {
   EXPECT_LT(Clock::now() - killed, grace);
 }
 
-TEST_P(Failover, LeadsToASessionWithTheDeadlineThatTheProgramRequested) {
+TEST_P(FailoverOnOneHost, LeadsToASessionWithTheDeadlineThatTheProgramRequested) {
   const auto brief = lab_.create<probe::Probe>("PROBE", {.quality = {.deadline = 1ns}});
   ASSERT_TRUE(brief) << brief.error();
   const auto patient = gecos::with(*brief, {.deadline = 1h});

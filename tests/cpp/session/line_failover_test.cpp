@@ -415,6 +415,19 @@ TEST_F(LineFailover, TheSessionStaysOffAMediumThatIsNotOfTheRequestedClass) {
   EXPECT_NE(stays.why.find("class=HARD_REALTIME: the medium lcm "), std::string::npos) << stays.why;
 }
 
+TEST_F(LineFailover, AProxyWhoseLabHasEndedSaysThatItHasNoLabThatLooksForAnotherMedium) {
+  auto lab = std::make_unique<gecos::Lab>(delayed_lab());
+  const auto robot = lab->create<Mobile>("PROBE", {.patience = 20s});
+  ASSERT_TRUE(robot) << robot.error();
+  LineWatch watch(*robot);
+  lab.reset();
+  slow_down(delays.shm);
+  const LineState stays = await(watch, 2);
+  EXPECT_EQ(stays.medium, "shm");
+  EXPECT_EQ(stays.why,
+            "PROBE stays on shm: its Lab has ended; keep the Lab while its proxies are used");
+}
+
 TEST_F(LineFailover, AMediumThatTheProgramHasChosenIsKept) {
   const auto robot = create(Kind::Shm);
   LineWatch watch(robot);

@@ -6,7 +6,8 @@
 
 #include "../settles.hpp"
 #include "gecos/binding.hpp"
-#include "gecos/session/client/select.hpp"
+#include "gecos/object_interface.hpp"
+#include "gecos/session/client/client_connection.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -124,14 +125,12 @@ TEST_P(RequestedOverMedia, TheDeadlineOfACallTakesThePlaceOfThatOfCreate) {
   EXPECT_EQ(gecos::with(robot, {.deadline = 1h}).read().get().value(), 7);
 }
 
-TEST_P(RequestedOverMedia, ADeadlineDoesNotEndTheWaitForAStatus) {
-  const auto holder = connect(second_lab_);
-  const auto lease = gecos::actor(holder);
-  ASSERT_TRUE(lease) << lease.error();
-  const auto refused = gecos::actor(create({.deadline = 20ms}), {.timeout = 200ms});
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().failure.text.find("the request waited 0.2 s, "), std::string::npos)
-      << refused.error();
+TEST_P(RequestedOverMedia, ADeadlineIsNotThatOfBuiltInOperations) {
+  const auto robot = create({.deadline = 2s});
+  const auto& session = dynamic_cast<gecos::session::ClientConnection&>(*robot.session());
+  EXPECT_EQ(session.deadline_of(probe::operation(probe::read_code), {}), 2s);
+  EXPECT_EQ(session.deadline_of(probe::operation(probe::read_code), {.deadline = 1h}), 1h);
+  EXPECT_EQ(session.deadline_of(gecos::GecosObjectInterface::acquire, {}), 0s);
 }
 
 TEST_P(RequestedOverMedia, ALifespanWithholdsASampleThatIsOlder) {

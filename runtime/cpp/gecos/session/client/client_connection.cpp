@@ -110,7 +110,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
 Duration ClientConnection::deadline_of(const OperationDescription& operation,
                                        const CallOptions& options) const {
   if (options.deadline) return *options.deadline;
-  // The runtime itself issues built-in operations, such as a request that waits for a status.
+  // The runtime issues most built-in operations by itself, for example to subscribe to a stream.
   if (is_builtin(operation.code)) return operation.quality.deadline;
   return terms(operation.quality).deadline;
 }

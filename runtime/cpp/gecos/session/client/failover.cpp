@@ -93,15 +93,16 @@ void Failover::look_for_another(const std::shared_ptr<ClientConnection>& from) {
   if (!ended_ && started()) search_of(from);
 }
 
-bool Failover::run_soon(Job job) {
-  if (getpid() != owner_) return false;
+tl::expected<void, std::string> Failover::run_soon(Job job) {
+  if (getpid() != owner_) return tl::unexpected("this process was forked after its Lab was made");
   {
     const MutexLock lock(mutex_);
-    if (ended_ || !started()) return false;
+    if (ended_) return tl::unexpected("its Lab has ended; keep the Lab while its proxies are used");
+    if (!started()) return tl::unexpected("no thread could be created to look for another medium");
     jobs_.push_back(std::move(job));
   }
   changed_.notify_one();
-  return true;
+  return {};
 }
 
 bool Failover::started() {

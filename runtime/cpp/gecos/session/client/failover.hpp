@@ -62,9 +62,8 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   /// Must be called when the server of the session `from` is UNREACHABLE. If another server now
   /// serves the object of `from`, the idempotent calls of `from` are sent to that server.
   void look_for_another(const std::shared_ptr<ClientConnection>& from);
-  /// Runs `job` soon, on the thread of this object. Returns false when there is no such thread: the
-  /// lab is closed, no thread can be created, or this process is a forked child.
-  bool run_soon(Job job);
+  /// Runs `job` soon, on the thread of this object. If there is no such thread, returns why.
+  tl::expected<void, std::string> run_soon(Job job);
   /// Ends the commands whose `grace` or deadline has passed.
   NextTick on_tick(TimePoint now) override;
   /// Called when the lab is closed: ends the commands that wait for failover.

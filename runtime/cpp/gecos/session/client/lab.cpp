@@ -17,7 +17,7 @@ namespace gecos {
 std::string CreateError::to_string() const {
   std::string text;
   for (const auto& attempt : attempts) {
-    text += (text.empty() ? "" : "\n") + attempt.name + ": " +
+    text += (text.empty() ? "" : "\n") + attempt.name + (attempt.name.empty() ? "" : ": ") +
             std::string(gecos::to_string(attempt.detail)) + ": " + attempt.reason;
   }
   return text;

@@ -179,7 +179,7 @@ NextTick MovableSession::on_tick(TimePoint now) {
   const auto job = [weak = weak_from_this()](Context& lab) {
     if (const auto self = weak.lock()) self->search(lab);
   };
-  if (!failover_->run_soon(job)) stay("no thread could be created to look for another medium");
+  if (const auto ran = failover_->run_soon(job); !ran) stay(ran.error());
   return now + between_looks;
 }
 
