@@ -416,11 +416,9 @@ TEST_F(LineFailover, TheSessionStaysOffAMediumThatIsNotOfTheRequestedClass) {
 }
 
 TEST_F(LineFailover, AProxyWhoseLabHasEndedSaysThatItHasNoLabThatLooksForAnotherMedium) {
-  auto lab = std::make_unique<gecos::Lab>(delayed_lab());
-  const auto robot = lab->create<Mobile>("PROBE", {.patience = 20s});
+  const auto robot = delayed_lab().create<Mobile>("PROBE", {.patience = 20s});
   ASSERT_TRUE(robot) << robot.error();
   LineWatch watch(*robot);
-  lab.reset();
   slow_down(delays.shm);
   const LineState stays = await(watch, 2);
   EXPECT_EQ(stays.medium, "shm");
