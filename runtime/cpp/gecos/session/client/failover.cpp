@@ -94,11 +94,13 @@ void Failover::look_for_another(const std::shared_ptr<ClientConnection>& from) {
 }
 
 tl::expected<void, std::string> Failover::run_soon(Job job) {
-  if (getpid() != owner_) return tl::unexpected("this process was forked after its Lab was made");
+  using namespace std::string_literals;
+  if (getpid() != owner_) return tl::unexpected("this process was forked after its Lab was made"s);
   {
     const MutexLock lock(mutex_);
-    if (ended_) return tl::unexpected("its Lab has ended; keep the Lab while its proxies are used");
-    if (!started()) return tl::unexpected("no thread could be created to look for another medium");
+    if (ended_)
+      return tl::unexpected("its Lab has ended; keep the Lab while its proxies are used"s);
+    if (!started()) return tl::unexpected("no thread could be created to look for another medium"s);
     jobs_.push_back(std::move(job));
   }
   changed_.notify_one();
