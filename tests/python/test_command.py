@@ -15,6 +15,7 @@ import gecos
 import pytest
 from gecos import Detail, State
 from lamp import DIM, Burnt, Glow, Lamp, PlainLamp
+from test_process import running
 
 
 def test_a_finished_command_gives_its_result(held: Lamp) -> None:
@@ -493,3 +494,45 @@ def test_a_command_can_be_selected_on(held: Lamp, servant: PlainLamp) -> None:
     servant.finish.set()
     assert select.select([burning], [], [], 10) == ([burning], [], [])
     assert burning.state is State.FINISHED
+
+
+WITHOUT_DESCRIPTORS = """
+import os, resource, threading, gecos
+from lamp import Lamp
+lamp = gecos.Lab().create(Lamp, "LAMP", medium="shm")
+lease = gecos.actor(lamp)
+burning = lamp.burn_in()
+burning.fileno()
+resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
+taken = []
+try:
+    while True: taken.append(os.open("/dev/null", os.O_RDONLY))
+except OSError:
+    pass
+for _ in range({left}): os.close(taken.pop())
+first, later = threading.Event(), threading.Event()
+try:
+    burning.add_done_callback(lambda _: first.set())
+except OSError as error:
+    print(error.strerror, flush=True)
+    first.set()
+for each in taken: os.close(each)
+burning.add_done_callback(lambda _: later.set())
+burning.cancel()
+print(first.wait(30), later.wait(30), flush=True)
+"""
+
+
+@pytest.mark.usefixtures("server")
+@pytest.mark.parametrize("left", range(4))
+def test_a_callback_that_finds_no_descriptor_says_so_and_later_ones_are_called(left: int) -> None:
+    with running(WITHOUT_DESCRIPTORS.format(left=left)) as client:
+        out, err = client.communicate(timeout=90)
+        assert (out, err) == ("Too many open files\nTrue True\n", "")
+
+
+@pytest.mark.usefixtures("server")
+def test_a_callback_needs_four_descriptors() -> None:
+    with running(WITHOUT_DESCRIPTORS.format(left=4)) as client:
+        out, err = client.communicate(timeout=90)
+        assert (out, err) == ("True True\n", "")

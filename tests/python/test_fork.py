@@ -7,7 +7,18 @@ import pytest
 from lamp import PlainLamp
 from test_process import running
 
-PARENT = """
+REFUSED = """
+def refused(what):
+    try:
+        what()
+    except RuntimeError as error:
+        assert "belongs to the process that forked this one" in str(error), error
+    else:
+        raise AssertionError("not refused")
+"""
+
+PARENT = (
+    """
 import gecos, os, sys, threading, warnings
 from lamp import Lamp, PlainLamp
 
@@ -33,14 +44,9 @@ threads = [threading.Thread(target=busy, args=(proxy,)) for proxy in (mine, lamp
 for thread in threads:
     thread.start()
 
-def refused(what):
-    try:
-        what()
-    except RuntimeError as error:
-        assert "belongs to the process that forked this one" in str(error), error
-    else:
-        raise AssertionError("not refused")
-
+"""
+    + REFUSED
+    + """
 for _ in range(20):
     child = os.fork()
     if child == 0:
@@ -57,6 +63,7 @@ burning.cancel()
 burning.wait(30)
 print("well", flush=True)
 """
+)
 
 CHILDREN = {
     "ends": "pass",
@@ -76,3 +83,70 @@ def test_a_forked_child_ends_and_leaves_its_parent_alone(
     with running(PARENT.replace("{child}", "        " + CHILDREN[child])) as program:
         out, err = program.communicate(timeout=60)
         assert (out, err, program.returncode) == ("well\n", "", 0)
+
+
+READING = (
+    """
+import gecos, os, sys, threading, warnings
+from lamp import Lamp
+
+warnings.filterwarnings("ignore", ".* is multi-threaded", DeprecationWarning)
+stream = gecos.Lab().create(Lamp, "LAMP", medium="shm").level.stream()
+"""
+    + REFUSED
+    + """
+def read():
+    try:
+        stream.next()
+    except EOFError:
+        print("closed", flush=True)
+
+def waits():
+    try:
+        stream.latest()
+    except RuntimeError:
+        return True
+    return False
+
+reader = threading.Thread(target=read)
+reader.start()
+while not waits():
+    pass
+child = os.fork()
+if child == 0:
+    for what in (stream.next, lambda: stream.next(30), stream.latest, stream.history):
+        refused(what)
+    os._exit(0)
+print(os.waitpid(child, 0)[1], flush=True)
+stream.close()
+reader.join()
+"""
+)
+
+
+@pytest.mark.usefixtures("server")
+def test_a_child_does_not_wait_for_the_reader_that_its_parent_has() -> None:
+    with running(READING) as program:
+        out, err = program.communicate(timeout=60)
+        assert (out, err, program.returncode) == ("0\nclosed\n", "", 0)
+
+
+DYNAMIC = """
+import gecos, os, warnings
+
+warnings.filterwarnings("ignore", ".* is multi-threaded", DeprecationWarning)
+gecos.dynamic("BROKER").list().result(30)
+child = os.fork()
+if child == 0:
+    gecos.dynamic("BROKER").list().result(30)
+    print("well", flush=True)
+    os._exit(0)
+print(os.waitpid(child, 0)[1], flush=True)
+"""
+
+
+@pytest.mark.usefixtures("lab")
+def test_a_child_has_a_lab_of_its_own_for_dynamic() -> None:
+    with running(DYNAMIC) as program:
+        out, err = program.communicate(timeout=60)
+        assert (out, err, program.returncode) == ("well\n0\n", "", 0)

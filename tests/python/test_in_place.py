@@ -178,6 +178,8 @@ def test_a_held_picture_is_overwritten_after_the_depth_and_stays_readable(
 def test_a_loan_that_is_not_published_is_no_sample(camera: Any, servant: Any, images: Any) -> None:
     with camera.picture.stream() as stream:
         with servant.lend_picture(images.Image(), 4) as loan:
+            with pytest.raises(ValueError, match="in s of Unix time"):
+                loan.publish(stamp=1.7e12)
             with pytest.raises(ValueError, match="the memory of the next sample is lent"):
                 servant.lend_picture(images.Image(), 4)
             loan.octets[0] = 1
@@ -202,7 +204,11 @@ def test_what_cannot_be_lent_is_refused(
         servant.lend_picture(images.Image(), -1)
     with pytest.raises(ValueError, match="at most 65536 fit; declare bounds for its sequences"):
         servant.lend_raw(images.Dump(), 100_000)
+    core = servant._gecos_core
     served.close()
+    with pytest.raises(gecos.ServeError, match="while it is not served"):
+        servant.lend_picture(images.Image(), 4)
+    servant._gecos_core = core  # as if the server were just closing
     with pytest.raises(gecos.ServeError, match="while it is not served"):
         servant.lend_picture(images.Image(), 4)
 

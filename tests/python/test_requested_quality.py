@@ -108,11 +108,20 @@ WRONG: dict[str, Callable[[gecos.Lab], object]] = {
     "'manual' is no liveliness; choose AUTOMATIC or MANUAL, as in @qos": (
         lambda lab: lab.create(Lamp, "LAMP", liveliness="manual")
     ),
-    "deadline must be more than 0 s, not 0; leave it out to request no deadline": (
+    "deadline must be 1 ns or more, not 0 s; leave it out to request no deadline": (
         lambda lab: lab.create(Lamp, "LAMP", deadline=0)
     ),
-    "lifespan must be more than 0 s, not nan; leave it out to request no lifespan": (
+    "lifespan must be 1 ns or more, not nan s; leave it out to request no lifespan": (
         lambda lab: lab.create(Lamp, "LAMP", lifespan=float("nan"))
+    ),
+    "latency must be 1 ns or more, not -1 s; leave it out to request no latency": (
+        lambda lab: lab.create(Lamp, "LAMP", latency=-1)
+    ),
+    "latency must be 1 ns or more, not nan s; leave it out to request no latency": (
+        lambda lab: lab.create(Lamp, "LAMP", latency=float("nan"))
+    ),
+    "latency must be 1 ns or more, not 9e-10 s; leave it out to request no latency": (
+        lambda lab: lab.create(Lamp, "LAMP", latency=0.9e-9)
     ),
 }
 

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NoReturn
@@ -403,3 +404,57 @@ def test_create_waits_for_an_object_that_comes_online(lab: gecos.Lab, servant: P
 def test_create_waits_no_longer_than_it_is_told(lab: gecos.Lab) -> None:
     with pytest.raises(gecos.CreateError, match="no object is called LAMP"):
         lab.create(Lamp, "LAMP", wait=0.05)
+
+
+WITH_NO_NAMES: list[Any] = [{"A", "B"}, (name for name in "AB"), None, 5, b"LAMP", ["LAMP", 5]]
+
+
+@pytest.mark.parametrize("names", WITH_NO_NAMES, ids=lambda names: type(names).__name__)
+def test_create_says_what_its_second_parameter_is(lab: gecos.Lab, names: Any) -> None:
+    with pytest.raises(TypeError) as refused:
+        lab.create(Lamp, names)
+    assert str(refused.value) == (
+        "the second argument must be the name of an object, a sequence of names, such as "
+        f'`["LEFT", "RIGHT"]`, or a reference, not {names!r}'
+    )
+
+
+def test_create_says_that_its_arguments_are_exchanged(lab: gecos.Lab) -> None:
+    swapped: Any = ("LAMP", Lamp)
+    with pytest.raises(TypeError, match=r"are exchanged.*`lab\.create\(Lamp, 'LAMP'\)`$"):
+        lab.create(*swapped)
+
+
+TAKING_A_PROXY: dict[str, Callable[[Any], object]] = {
+    "stop(robot)": gecos.stop,
+    "ping(robot)": gecos.ping,
+    "describe(robot)": gecos.describe,
+    "deny(robot, …)": lambda given: gecos.deny(given, 1),
+    "outcome(robot, …)": lambda given: gecos.outcome(given, "1-2-3"),
+    "line_state(robot)": gecos.line_state,
+    "LineWatch(robot)": gecos.LineWatch,
+    "reference(robot)": gecos.reference,
+    "with_deadline(robot, …)": lambda given: gecos.with_deadline(given, 1.0),
+}
+
+
+@pytest.mark.parametrize("use", TAKING_A_PROXY)
+def test_a_name_in_place_of_a_proxy_is_told_what_to_write(use: str) -> None:
+    with pytest.raises(TypeError) as refused:
+        TAKING_A_PROXY[use]("LAMP")
+    name = use.partition("(")[0]
+    assert str(refused.value) == (
+        f"gecos.{name} takes a proxy, not 'LAMP': write `robot = gecos.dynamic('LAMP')` and "
+        f"`gecos.{use}`"
+    )
+
+
+def test_serve_refuses_to_serve_nothing() -> None:
+    with pytest.raises(ValueError, match=r"was given no servant: write gecos\.serve\(\{'NAME'"):
+        gecos.serve({})
+
+
+def test_serve_says_that_it_takes_a_name_for_each_servant() -> None:
+    servant: Any = PlainLamp()
+    with pytest.raises(TypeError, match=r"by their names: write gecos\.serve\(\{'NAME': servant"):
+        gecos.serve(servant)

@@ -1,12 +1,17 @@
 from __future__ import annotations
 
 import asyncio
+import copy
+import math
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import gecos
 import pytest
+from gecos import interface
+from gecos.wire import layout
 from lamp import Lamp, PlainLamp
 
 
@@ -199,3 +204,52 @@ def test_closing_a_stream_ends_who_waits_for_its_samples(lamp: Lamp, servant: Pl
 def test_publishing_before_it_is_served_says_what_to_do(servant: PlainLamp) -> None:
     with pytest.raises(gecos.ServeError, match=r"add it to a gecos\.Server first"):
         servant.publish_level(1.0)
+
+
+def test_publishing_while_the_server_closes_says_that_it_is_not_served(
+    server: gecos.Server, servant: PlainLamp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    core = servant._gecos_core
+    looks = iter([core])  # the server has closed before the second look
+    at_each_look = property(lambda _: next(looks, None))
+    monkeypatch.setattr(PlainLamp, "_gecos_core", at_each_look, raising=False)
+    servant.publish_level(1.0)
+    with pytest.raises(gecos.ServeError, match="while it is not served"):
+        servant.publish_level(1.0)
+
+
+@pytest.mark.parametrize("stamp", [1.7e12, -1.7e12, math.nan, math.inf, 1e300, 10**30])
+def test_a_stamp_that_is_no_unix_time_in_s_is_refused(
+    lamp: Lamp, servant: PlainLamp, stamp: float
+) -> None:
+    with pytest.raises(ValueError, match=r"^stamp cannot be .* in s of Unix time"):
+        servant.publish_level(1.0, stamp=stamp)
+    stream = lamp.level.stream()
+    servant.publish_level(2.0, stamp=1.5)
+    sample = stream.next(30.0)
+    assert (sample.value, sample.stamp) == (2.0, 1.5)
+
+
+def test_an_attribute_says_to_open_its_stream_first(lamp: Lamp) -> None:
+    level: Any = lamp.level
+    why = r"level is a stream; open it first with `\.level\.stream\(\)`"
+    with pytest.raises(AttributeError, match=why + "; the attribute itself has no 'latest'"):
+        level.latest()
+    with pytest.raises(TypeError, match=why):
+        list(level)
+    with pytest.raises(TypeError, match=why):
+        aiter(level)
+    assert not hasattr(level, "_latest")
+    assert copy.copy(level)().result() == 0.0
+
+
+def test_an_event_says_to_open_its_stream_first(lamp: Lamp) -> None:
+    table = interface.event(
+        0x1009, "lit", interface.Access.SENSOR, gives=layout.ranged("d", None), hash=0
+    )
+    lit: Any = gecos.Event(lamp, table)
+    why = r"lit is an event; open it first with `\.lit\.stream\(\)`"
+    with pytest.raises(TypeError, match=why):
+        list(lit)
+    with pytest.raises(AttributeError, match=why):
+        lit.next()

@@ -270,3 +270,16 @@ def test_a_writer_outlives_its_lab_as_lost(
     with pytest.raises(gecos.ConnectionFailed):
         remark.send(feeder.Remark(text="unheard"))
     assert repr(remark) == "<Writer DANCER.remark: lost>"
+
+
+def test_a_stream_that_is_not_open_says_how_to_open_it(dancer: Any) -> None:
+    why = r"speed is an inward stream; open it first with `\.speed\.writer\(\)`; the attribute"
+    with pytest.raises(AttributeError, match=why):
+        dancer.speed.send(0.5)
+
+
+def test_a_stamp_in_ms_is_refused(dancer: Any, servant: Any) -> None:
+    with gecos.actor(dancer), dancer.speed.writer() as speed:
+        with pytest.raises(ValueError, match="in s of Unix time"):
+            speed.send(0.5, stamp=time.time() * 1000)
+        assert servant.speed.next() is None

@@ -151,14 +151,15 @@ class ServantHandle {
     }
   }
 
-  LoanHandle lend(std::uint32_t code, const nb::bytes& head, std::size_t octets,
+  /// Returns the loan, or None if the servant is no longer served.
+  nb::object lend(std::uint32_t code, const nb::bytes& head, std::size_t octets,
                   const nb::bytes& tail) {
     owner_.demand("this servant");
     if (head.size() < 4) throw nb::value_error("the head has no count");
     auto lent = servant_->lend(FunctionCode{code}, from_python(head), octets, from_python(tail));
     if (!lent) throw nb::value_error(lent.error().c_str());
-    if (!*lent) throw nb::value_error("the servant is not served");
-    return LoanHandle(servant_, *std::move(lent));
+    if (!*lent) return nb::none();
+    return nb::cast(LoanHandle(servant_, *std::move(lent)));
   }
 
  private:

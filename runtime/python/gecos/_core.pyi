@@ -166,9 +166,9 @@ class PulledServant:
         call, "stopped" (lane 0 only) if a client stopped the object, or None if the lane is
         closed."""
     def publish(self, code: int, sample: bytes, stamp_ns: int | None) -> None: ...
-    def lend(self, code: int, head: bytes, octets: int, tail: bytes) -> Loan:
-        """Lends the memory of the next sample: `head`, `octets` octets, `tail`. Raises ValueError
-        with the reason if the sample is refused, or if the servant is no longer served."""
+    def lend(self, code: int, head: bytes, octets: int, tail: bytes) -> Loan | None:
+        """Lends the memory of the next sample: `head`, `octets` octets, `tail`. Returns None if the
+        servant is no longer served. Raises ValueError with the reason if the sample is refused."""
     def next_inward(
         self, code: int, only_commands: bool
     ) -> tuple[bytes, int, int, int, int, int] | None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gecos.command import Command
 from gecos.errors import Detail, State
 from gecos.interface import Method
-from gecos.proxy import Object
+from gecos.proxy import Object, demand_proxy
 from gecos.record import replace
 from gecos.wire import Decoder
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 def stop(robot: Object) -> Command[None]:
     """Stops the device for all clients: ends leases, drops the queue, interrupts the handlers."""
-    return _answers_of(robot).stop()
+    return _answers_of(robot, "stop").stop()
 
 
 def take_over(robot: Object) -> Command[None]:
@@ -42,14 +42,14 @@ def take_over(robot: Object) -> Command[None]:
     The command fails with StatusRefused if this program has no status of the device, or if another
     client has taken over.
     """
-    return _answers_of(robot).take_over()
+    return _answers_of(robot, "take_over").take_over()
 
 
 def give_back(robot: Object) -> Command[None]:
     """Ends the take-over of this program, so that the other clients may issue commands again. The
     commands that the take-over ended are not started again. Does nothing if this program has not
     taken over."""
-    return _answers_of(robot).give_back()
+    return _answers_of(robot, "give_back").give_back()
 
 
 def requests(
@@ -63,14 +63,14 @@ def requests(
     To grant a request, release the lease: the first request in line gets the status when the last
     command under the lease has ended.
     """
-    return _answers_of(robot).requests(after, math.inf if timeout is None else timeout)
+    return _answers_of(robot, "requests").requests(after, math.inf if timeout is None else timeout)
 
 
 def deny(robot: Object, request: int, why: str = "") -> Command[bool]:
     """Refuses the waiting request with the id `request`. The program that made the request gets
     LeaseRefused, which names this program and says `why`. The result is False when the request no
     longer waits. The command fails with StatusRefused if this program does not hold the status."""
-    return _answers_of(robot).deny(request, why)
+    return _answers_of(robot, "deny", "{}(robot, …)").deny(request, why)
 
 
 def break_status(robot: Object, why: str) -> Command[None]:
@@ -82,22 +82,22 @@ def break_status(robot: Object, why: str) -> Command[None]:
     program must not do it automatically. The command fails with StatusRefused for users who are not
     administrators.
     """
-    return _answers_of(robot).break_status(why)
+    return _answers_of(robot, "break_status", "{}(robot, …)").break_status(why)
 
 
 def ping(robot: Object) -> Command[None]:
     """Checks that the object's server answers. The command finishes when the answer arrives."""
-    return _answers_of(robot).ping()
+    return _answers_of(robot, "ping").ping()
 
 
 def describe(robot: Object) -> Command[Description]:
     """Asks for the object's type and state."""
-    return _answers_of(robot).describe()
+    return _answers_of(robot, "describe").describe()
 
 
 def holders(robot: Object) -> Command[list[Holder]]:
     """Asks for the clients that hold actor or master status."""
-    return _answers_of(robot).holders()
+    return _answers_of(robot, "holders").holders()
 
 
 def roster(robot: Object, after: int = 0, timeout: float | None = 0.0) -> Command[Roster]:
@@ -112,7 +112,7 @@ def roster(robot: Object, after: int = 0, timeout: float | None = 0.0) -> Comman
     because the program asked too late. A server that was built before this operation existed
     answers UNKNOWN_OPERATION.
     """
-    return _answers_of(robot).roster(after, math.inf if timeout is None else timeout)
+    return _answers_of(robot, "roster").roster(after, math.inf if timeout is None else timeout)
 
 
 def stats(robot: Object) -> Command[ObjectStats]:
@@ -124,13 +124,13 @@ def stats(robot: Object) -> Command[ObjectStats]:
     has lost, which are in `stream.counts`; the latency of a connection is in `gecos.line_state`. A
     server that was built before this operation existed answers UNKNOWN_OPERATION.
     """
-    return _answers_of(robot).stats()
+    return _answers_of(robot, "stats").stats()
 
 
 def model(robot: Object) -> Command[list[str]]:
     """Asks for the JSON of the object's interface and of each of its bases, which `lab.dynamic`
     reads."""
-    return _answers_of(robot).model()
+    return _answers_of(robot, "model").model()
 
 
 def feed_report(session: _core.Session, stream: int) -> Command[FeedReport]:
@@ -168,6 +168,7 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
     """
     from gecos_idl.object import _GECOS_OBJECT_OUTCOME
 
+    demand_proxy(robot, "outcome", "{}(robot, …)")
     asked: Method[Any, None] = _GECOS_OBJECT_OUTCOME
     core = robot._gecos_session.outcome(command)
 
@@ -178,8 +179,10 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
     return Command(core, replace(asked, result=told))
 
 
-def _answers_of(robot: Object) -> GecosObject:
-    """Returns a proxy of the object with the interface of the built-in operations."""
+def _answers_of(robot: Object, function: str, use: str = "{}(robot)") -> GecosObject:
+    """Returns a proxy of the object with the interface of the built-in operations. `function` and
+    `use`: see `demand_proxy`."""
     from gecos_idl.object import GecosObject
 
+    demand_proxy(robot, function, use)
     return GecosObject(robot._gecos_session)

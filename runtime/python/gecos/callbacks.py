@@ -36,8 +36,15 @@ class _Watch:
     """
 
     def __init__(self) -> None:
+        """Raises OSError if the process is out of descriptors. The thread itself needs no more."""
         self._new: deque[_Awaited] = deque()
-        self._here, self._there = socket.socketpair()
+        self._selector = selectors.DefaultSelector()
+        try:
+            self._here, self._there = socket.socketpair()
+        except OSError:
+            self._selector.close()
+            raise
+        self._selector.register(self._here, selectors.EVENT_READ)
         self._there.setblocking(False)  # so that no callback blocks in `send`
         self._runs = False
         self._taken = threading.Lock()  # held by the one thread that runs callbacks
@@ -57,26 +64,25 @@ class _Watch:
             self._run()
 
     def _run(self) -> None:
-        with selectors.DefaultSelector() as selector:
-            selector.register(self._here, selectors.EVENT_READ)
-            while True:
-                for key, _ in selector.select():
-                    awaited: _Awaited | None = key.data
-                    if awaited is None:
-                        self._welcome(selector)
-                        continue
-                    selector.unregister(awaited.descriptor)
-                    os.close(awaited.descriptor)
-                    call(awaited.callback)
+        while True:
+            for key, _ in self._selector.select():
+                awaited: _Awaited | None = key.data
+                if awaited is None:
+                    self._welcome()
+                    continue
+                self._selector.unregister(awaited.descriptor)
+                os.close(awaited.descriptor)
+                call(awaited.callback)
 
-    def _welcome(self, selector: selectors.BaseSelector) -> None:
+    def _welcome(self) -> None:
         self._here.recv(4096)
         while self._new:
             awaited = self._new.popleft()
-            selector.register(awaited.descriptor, selectors.EVENT_READ, awaited)
+            self._selector.register(awaited.descriptor, selectors.EVENT_READ, awaited)
 
     def close(self) -> None:
-        """Closes the sockets of a watch that was never used."""
+        """Closes the descriptors of a watch that was never used."""
+        self._selector.close()
         self._here.close()
         self._there.close()
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from types import TracebackType
 from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
+from gecos.stamp import in_ns
+
 if TYPE_CHECKING:
     from gecos import _core
 
@@ -52,7 +54,7 @@ class Loan:
     def publish(self, stamp: float | None = None) -> bool:
         """Publishes the sample and ends the loan. Returns False if the servant is no longer served,
         or if the loan has ended. `stamp`: Unix time in s; None: now."""
-        return self._core.publish(None if stamp is None else round(stamp * 1e9))
+        return self._core.publish(in_ns(stamp))
 
     def __enter__(self) -> Self:
         return self

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 P = TypeVar("P", bound=Object)
 # The lab file is read when the broker is searched, not when a Lab is made or printed.
 _BY_DEFAULT = "of the lab file, else of this host"
+_SHORTEST = 1e-9  # s; the extension takes a shorter time as no limit
 
 
 class CreateOptions(TypedDict, total=False):
@@ -110,18 +111,18 @@ class Lab:
         A reference is valid only while the server process that it refers to serves the object,
         because a restarted process may have another state. A nil reference is refused.
         """
-        table, incarnation = table_of(interface), 0
-        if isinstance(names, str):
-            wanted = [names]
-        elif isinstance(names, Sequence):
-            wanted = list(names)
-        else:
-            wanted, incarnation = [names.name], names.boot
+        if isinstance(names, type) and issubclass(names, Object):
+            raise TypeError(
+                "the arguments are exchanged: the class comes first; write "
+                f"`lab.create({names.__name__}, {interface!r})`"
+            )
+        table = table_of(interface)
+        wanted, incarnation = _wanted(names)
         created = self._core.create(
             table,
             wanted,
             (medium, in_, out),
-            latency or 0.0,
+            _longest("latency", latency),
             (
                 _number_of(QualityClass, "class", class_),
                 _number_of(Reliability, "reliability", reliability),
@@ -268,6 +269,22 @@ class _Liveliness(IntEnum):
     MANUAL = 1
 
 
+def _wanted(names: str | Sequence[str] | ObjectRef) -> tuple[list[str], int]:
+    """Returns the names to try, and the incarnation that a reference demands; 0 without one."""
+    if isinstance(names, str):
+        return [names], 0
+    if isinstance(names, Sequence) and all(isinstance(name, str) for name in names):
+        return list(names), 0
+    from gecos_idl.object_ref_types import ObjectRef
+
+    if isinstance(names, ObjectRef):
+        return [names.name], names.boot
+    raise TypeError(
+        "the second argument must be the name of an object, a sequence of names, such as "
+        f'`["LEFT", "RIGHT"]`, or a reference, not {names!r}'
+    )
+
+
 def _number_of(values: type[IntEnum], term: str, written: str | None) -> int:
     """Returns the number of the value of a term of `@qos`; 0 if the term is not requested."""
     if written is None:
@@ -284,9 +301,9 @@ def _longest(term: str, seconds: float | None) -> float:
     """Returns a longest time that is requested; 0 if none is requested."""
     if seconds is None:
         return 0.0
-    if not seconds > 0:
+    if not seconds >= _SHORTEST:
         raise ValueError(
-            f"{term} must be more than 0 s, not {seconds}; leave it out to request no {term}"
+            f"{term} must be 1 ns or more, not {seconds} s; leave it out to request no {term}"
         )
     return float(seconds)
 

@@ -11,7 +11,7 @@ from typing import Self
 from gecos import _core, shutdown
 from gecos.errors import ConnectionFailed, Detail, DroppedLeaseWarning, LeaseRefused, State
 from gecos.interface import Access
-from gecos.proxy import Object
+from gecos.proxy import Object, demand_proxy
 from gecos.wire import DecodeError, from_bytes
 
 
@@ -130,12 +130,7 @@ def _acquire(
     timeout: float | None,
     on_position: Callable[[int], object] | None,
 ) -> Lease:
-    if not isinstance(robot, Object):
-        name = robot if isinstance(robot, str) else "NAME"
-        raise TypeError(
-            f"gecos.{access.name.lower()} takes a proxy, not {robot!r}: write "
-            f"`robot = gecos.dynamic({name!r})` and `with gecos.{access.name.lower()}(robot):`"
-        )
+    demand_proxy(robot, access.name.lower(), "with {}(robot):")
     session = robot._gecos_session
     asked = session.ask_for_status(access, password, math.inf if timeout is None else timeout)
     try:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from gecos.proxy import Object
+from gecos.proxy import Object, demand_proxy
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +26,7 @@ class LineState:
 
 def line_state(robot: Object) -> LineState:
     """Returns the state of the connection of `robot`. Does not wait."""
+    demand_proxy(robot, "line_state")
     return LineState(*robot._gecos_session.line())
 
 
@@ -44,6 +43,7 @@ class LineWatch:
     """
 
     def __init__(self, robot: Object) -> None:
+        demand_proxy(robot, "LineWatch")
         self._session = robot._gecos_session
         self._name = robot._gecos_session.object_name
         self._changes = line_state(robot).changes

@@ -37,6 +37,7 @@ from gecos.command import Command
 from gecos.errors import CommandFailed, ConnectionFailed, Detail, State
 from gecos.interface import Interface, Kind, Method
 from gecos.stream import Stream
+from gecos.unopened import Unopened
 from gecos.wire import Decoder, Parts
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ def _no_stream(kind: type[Object], name: str) -> NoReturn:
     )
 
 
-class StreamAttribute(Generic[T]):
+class StreamAttribute(Unopened, Generic[T]):
     """An attribute that the server publishes continuously. Call it to get one value, or open its
     stream."""
 
@@ -126,6 +127,9 @@ class StreamAttribute(Generic[T]):
     def __init__(self, owner: Object, method: Method[T, None]) -> None:
         self._object = owner
         self._method = method
+
+    def _to_open(self) -> str:
+        return _open_first(self._object, self._method.operation.name, "a stream")
 
     def __call__(self) -> Command[T, None]:
         """Asks the server for the value once."""
@@ -138,7 +142,7 @@ class StreamAttribute(Generic[T]):
         return _subscribed(self._object, code, name, method.result, method.in_place)
 
 
-class Event(Generic[T]):
+class Event(Unopened, Generic[T]):
     """An event of an object, for example `robot.touched`. `stream()` subscribes to it."""
 
     __slots__ = ("_event", "_object")
@@ -146,6 +150,9 @@ class Event(Generic[T]):
     def __init__(self, owner: Object, event: interface.Event[T]) -> None:
         self._object = owner
         self._event = event
+
+    def _to_open(self) -> str:
+        return _open_first(self._object, self._event.stream.name, "an event")
 
     def __call__(self, *_given: object, **_named: object) -> NoReturn:
         """Raises TypeError: only the server can send the event."""
@@ -167,6 +174,10 @@ class Event(Generic[T]):
         return _subscribed(self._object, event.stream.code, event.stream.name, event.result)
 
 
+def _open_first(owner: Object, name: str, kind: str) -> str:
+    return f"{owner!r}: {name} is {kind}; open it first with `.{name}.stream()`"
+
+
 def _subscribed(
     owner: Object,
     code: int,
@@ -185,11 +196,25 @@ def _subscribed(
     return Stream(opened, decode, name, in_place)
 
 
+def demand_proxy(given: object, function: str, use: str = "{}(robot)") -> None:
+    """Raises TypeError, which says what to write, unless `given` is a proxy. `function` is the name
+    of the called function, and `use` shows its call."""
+    if isinstance(given, Object):
+        return
+    name = given if isinstance(given, str) else "NAME"
+    call = use.format(f"gecos.{function}")
+    raise TypeError(
+        f"gecos.{function} takes a proxy, not {given!r}: write `robot = gecos.dynamic({name!r})` "
+        f"and `{call}`"
+    )
+
+
 def reference(proxy: Object) -> ObjectRef:
     """Returns a reference to the object, as a value for parameters and results whose type is an
     interface. In any process, `lab.create` makes a proxy from the reference."""
     from gecos_idl.object_ref_types import ObjectRef
 
+    demand_proxy(proxy, "reference")
     return ObjectRef(*proxy._gecos_session.reference())
 
 
@@ -201,6 +226,7 @@ def with_deadline(proxy: P, seconds: float) -> P:
     time.monotonic()` is negative after the time `end`. Raises ValueError unless `seconds` is a
     finite number.
     """
+    demand_proxy(proxy, "with_deadline", "{}(robot, …)")
     if not math.isfinite(seconds):
         raise ValueError(
             f"a deadline must be a finite number of seconds, not {seconds}; for calls with only "

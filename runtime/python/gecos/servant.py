@@ -30,6 +30,7 @@ from gecos.errors import ServeError
 from gecos.in_place import Loan
 from gecos.interface import Handler, Interface, Method
 from gecos.inward import Inward
+from gecos.stamp import in_ns
 from gecos.wire import Parts
 
 if TYPE_CHECKING:
@@ -62,19 +63,23 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare the abstract methods
         return opened.setdefault(stream.stream.code, Inward(self, stream))
 
     def _gecos_publish(self, code: int, sample: Parts, stamp: float | None) -> None:
-        if self._gecos_core is None:
+        core = self._gecos_core  # read once, because closing the server clears it
+        if core is None:
             raise _not_served(self)
-        stamp_ns = None if stamp is None else round(stamp * 1e9)
-        self._gecos_core.publish(code, b"".join(sample), stamp_ns)
+        core.publish(code, b"".join(sample), in_ns(stamp))
 
     def _gecos_lend(self, method: Method[T, None], value: T, octets: int) -> Loan:
         assert method.in_place is not None
-        if self._gecos_core is None:
+        core = self._gecos_core  # read once, because closing the server clears it
+        if core is None:
             raise _not_served(self)
         if octets < 0:
             raise ValueError(f"{method.operation.name}: {octets} octets; give 0 or more")
         head, tail = method.in_place.encode(value, octets)
-        return Loan(self._gecos_core.lend(method.operation.code, head, octets, tail))
+        lent = core.lend(method.operation.code, head, octets, tail)
+        if lent is None:
+            raise _not_served(self)
+        return Loan(lent)
 
 
 def _not_served(servant: Servant) -> ServeError:

@@ -151,6 +151,7 @@ class Stream(Generic[T]):
         """Makes this thread the only reader of the stream, for one read that does not wait for a
         sample. `call` is the read, for the error text."""
         while self._occupied() or not self._reading.acquire(timeout=_MOMENT):
+            self._refuse_a_forked_child()
             if self._occupied():
                 raise RuntimeError(
                     f"stream {self._name}: {call} would block, because another thread or task "
@@ -300,11 +301,13 @@ class Stream(Generic[T]):
         wait, made = wait or self._core.next, made or self._sample
         end = None if timeout is None else time.monotonic() + timeout
         patience = -1 if timeout is None else min(max(0.0, timeout), threading.TIMEOUT_MAX)
-        if not self._reading.acquire(timeout=patience):
-            raise TimeoutError(
-                f"stream {self._name}: no sample within {timeout} s, because another thread or "
-                "task was waiting for a sample all that time"
-            )
+        if not self._reading.acquire(blocking=False):
+            self._refuse_a_forked_child()
+            if not self._reading.acquire(timeout=patience):
+                raise TimeoutError(
+                    f"stream {self._name}: no sample within {timeout} s, because another thread or "
+                    "task was waiting for a sample all that time"
+                )
         try:
             self._turn, self._waits = turn, True
             sample = self._returned_one()
@@ -335,6 +338,11 @@ class Stream(Generic[T]):
             self._waits, self._turn = False, None
             self._reading.release()
         raise TimeoutError(f"stream {self._name}: no sample within {timeout} s")
+
+    def _refuse_a_forked_child(self) -> None:
+        """Raises RuntimeError in a child that was forked while a thread of its parent was reading.
+        The child has inherited the lock of this thread, and no thread that could release it."""
+        self._core.alive()
 
     def _occupied(self) -> bool:
         turn = self._turn

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Generic, NoReturn, Self, TypeVar
 from gecos.command import Command
 from gecos.errors import CommandFailed, ConnectionFailed, Detail, State
 from gecos.interface import Inward
+from gecos.stamp import in_ns
+from gecos.unopened import Unopened
 
 if TYPE_CHECKING:
     from gecos_idl.object_types import FeedReport
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-class InwardAttribute(Generic[T]):
+class InwardAttribute(Unopened, Generic[T]):
     """An attribute to which clients send samples. `writer()` opens its stream."""
 
     __slots__ = ("_inward", "_object")
@@ -26,6 +28,12 @@ class InwardAttribute(Generic[T]):
     def __init__(self, owner: Object, inward: Inward[T]) -> None:
         self._object = owner
         self._inward = inward
+
+    def _to_open(self) -> str:
+        name = self._inward.stream.name
+        return (
+            f"{self._object!r}: {name} is an inward stream; open it first with `.{name}.writer()`"
+        )
 
     def __call__(self, *_given: object, **_named: object) -> NoReturn:
         """Raises TypeError: samples are sent by a writer."""
@@ -77,8 +85,7 @@ class Writer(Generic[T]):
         if the stream needs a status that the session does not have, and ConnectionFailed if the
         session is lost or the writer is closed. Nothing is sent then.
         """
-        stamp_ns = None if stamp is None else round(stamp * 1e9)
-        refused = self._core.send(b"".join(self._inward.body(value)), stamp_ns)
+        refused = self._core.send(b"".join(self._inward.body(value)), in_ns(stamp))
         if refused is not None:
             _raise(self._name, *refused)
 

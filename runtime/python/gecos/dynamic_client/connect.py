@@ -4,6 +4,7 @@ members."""
 from __future__ import annotations
 
 import contextlib
+import os
 import time
 from functools import cache
 from typing import TYPE_CHECKING
@@ -230,6 +231,10 @@ def _lab_of_process() -> Lab:
     from gecos.lab import Lab
 
     return Lab()
+
+
+# A forked child cannot use the Lab of its parent.
+os.register_at_fork(after_in_child=_lab_of_process.cache_clear)
 
 
 def without_model(name: str) -> str:
