@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import gecos
 import pytest
 from lamp import PlainLamp
@@ -150,3 +152,27 @@ def test_a_child_has_a_lab_of_its_own_for_dynamic() -> None:
     with running(DYNAMIC) as program:
         out, err = program.communicate(timeout=60)
         assert (out, err, program.returncode) == ("well\n0\n", "", 0)
+
+
+BROKER = """
+import gecos, os, sys, warnings
+from lamp import Lamp, PlainLamp
+
+warnings.filterwarnings("ignore", ".* is multi-threaded", DeprecationWarning)
+
+lab = gecos.Lab()
+broker = gecos.Broker(lab)
+server = gecos.Server(lab)
+server.add("LAMP", PlainLamp(), simulated=True)
+child = os.fork()
+if child == 0:
+    print(gecos.Lab().create(Lamp, "LAMP").label().result(30), flush=True)
+    os._exit(0)
+os.waitpid(child, 0)
+"""
+
+
+def test_a_forked_child_finds_the_broker_of_its_parent(place: Path) -> None:
+    with running(BROKER) as program:
+        out, err = program.communicate(timeout=60)
+        assert (out, err, program.returncode) == ("a lamp\n", "", 0)

@@ -235,6 +235,20 @@ TEST_F(SilentServer, KeepsItsNameForTheTimeOfTheSetting) {
   EXPECT_TRUE(enlist(8, heard + seconds(3)));
 }
 
+TEST_F(SilentServer, KeepsItsNameForEverIfTheSettingHasNoEnd) {
+  directory_ = Directory(started, {.name_hold = Duration::max()});
+  fall_silent(Host::Other);
+  const TimePoint late = heard + std::chrono::hours(99'999);
+  EXPECT_EQ(directory_.on_tick(late), TimePoint::max());
+  const auto refused = enlist(8, late);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().by.find("s; the name is free after `gecos free RX90`"),
+            std::string::npos)
+      << refused.error().by;
+  EXPECT_TRUE(directory_.free("RX90"));
+  EXPECT_TRUE(enlist(8, late));
+}
+
 TEST_F(SilentServer, OfTheBrokersHostKeepsItsNameUntilItsProcessEnds) {
   fall_silent(Host::Same);
   const auto refused = enlist(8, heard + std::chrono::hours(99));

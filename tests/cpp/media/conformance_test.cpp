@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <stdexcept>
 #include <thread>
 
 #include "gecos/media/inproc/inproc.hpp"
@@ -513,6 +514,28 @@ TEST_P(Conformance, AStreamForWhichThisProcessHasNoDescriptorSaysSoAndCanBeShare
   ASSERT_TRUE(server_.connection->share(7, *writer));
   EXPECT_NE(client_.wait_for_stream(7), nullptr);
   EXPECT_EQ(client_.connection->why_no_stream(7), "");
+}
+
+TEST_P(Conformance, AStreamKeepsAsManySamplesAsWasAskedForOrIsRefused) {
+  constexpr std::size_t depth = 4096;
+  for (Connection* from : {server_.connection.get(), client_.connection.get()}) {
+    try {
+      const auto writer = from->make_stream(10, depth);
+      ASSERT_FALSE(medium_->capabilities().connectionless) << "it keeps 1024 at most";
+      End& to = from == client_.connection.get() ? server_ : client_;
+      ASSERT_TRUE(from->share(5, *writer));
+      const auto reader = to.wait_for_stream(5);
+      ASSERT_NE(reader, nullptr);
+      for (int i = 0; i < 3000; ++i) ASSERT_TRUE(writer->publish(bytes_of("sample"), i));
+      StreamSample sample;
+      ASSERT_TRUE(reader->next(0, sample));
+      EXPECT_EQ(sample.sequence, 1u);
+    } catch (const std::runtime_error& refused) {
+      EXPECT_STREQ(refused.what(),
+                   "it keeps at most 1024 samples of a stream, and the interface asks for "
+                   "depth=4096; read it on the host of its server, or reduce its depth");
+    }
+  }
 }
 
 TEST_P(Conformance, ASlowReaderLosesOldSamplesAndSeesHowMany) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
@@ -46,6 +47,24 @@ class NoDescriptorLeft {
  private:
   rlimit before_{};
   std::vector<int> gaps_;
+};
+
+/// While it lives this process can map no more than `room` bytes.
+class LittleAddressSpace {
+ public:
+  explicit LittleAddressSpace(std::size_t room) {
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    ::getrlimit(RLIMIT_AS, &before_);
+    const rlimit tight{pages * static_cast<std::size_t>(::getpagesize()) + room, before_.rlim_max};
+    ::setrlimit(RLIMIT_AS, &tight);
+  }
+  ~LittleAddressSpace() { ::setrlimit(RLIMIT_AS, &before_); }
+  LittleAddressSpace(const LittleAddressSpace&) = delete;
+  LittleAddressSpace& operator=(const LittleAddressSpace&) = delete;
+
+ private:
+  rlimit before_{};
 };
 
 /// Nothing in these tests waits this long; who does has lost a wake-up.

@@ -175,6 +175,62 @@ TEST_F(ShmProcess, AForkedChildHoldsNoArea) {
   ASSERT_TRUE(server.receive() == image);
 }
 
+constexpr std::size_t little = std::size_t{8} << 20;  // bytes; an area takes 64 MiB
+
+TEST_F(ShmProcess, AStreamForWhichThereIsNoAddressSpaceEndsNoConnection) {
+  const auto acceptor = listen();
+  End client = connect();
+  End server(wait_for_client(*acceptor));
+  ASSERT_TRUE(server.send("welcome"));
+  ASSERT_EQ(client.receive(), "welcome");
+  struct Way {
+    End& from;
+    End& to;
+  };
+  for (const Way& way : {Way{server, client}, Way{client, server}}) {
+    const auto large = way.from.connection->make_stream(1'000'000, 16);
+    const auto small = way.from.connection->make_stream(100, 4);
+    ASSERT_TRUE(way.from.connection->share(7, *large));
+    ASSERT_TRUE(way.from.connection->share(8, *small));
+    {
+      const LittleAddressSpace tight(little);
+      EXPECT_NE(way.to.wait_for_stream(8), nullptr);
+      EXPECT_EQ(way.to.connection->open_stream(7), nullptr);
+    }
+    const std::string why = way.to.connection->why_no_stream(7);
+    EXPECT_NE(why.find("this process cannot map "), std::string::npos) << why;
+    EXPECT_EQ(way.to.connection->loss(), Loss::None) << way.to.connection->loss_text();
+    ASSERT_TRUE(way.from.send("still there"));
+    EXPECT_EQ(way.to.receive(), "still there");
+    ASSERT_TRUE(way.from.connection->share(7, *large)) << "later there may be room";
+    EXPECT_NE(way.to.wait_for_stream(7), nullptr);
+  }
+}
+
+TEST_F(ShmProcess, LargePacketsArriveAlsoWithoutTheAddressSpaceForAnArea) {
+  const auto acceptor = listen();
+  End client = connect();
+  End server(wait_for_client(*acceptor));
+  ASSERT_TRUE(server.send("welcome"));
+  ASSERT_EQ(client.receive(), "welcome");
+  const std::string first(100'000, 'x');
+  const std::string second(300'000, 'y');
+  ASSERT_TRUE(server.send(first));
+  ASSERT_TRUE(server.send(second));
+  {
+    const LittleAddressSpace tight(little);
+    EXPECT_TRUE(client.receive() == first) << client.connection->loss_text();
+    EXPECT_TRUE(client.receive() == second) << client.connection->loss_text();
+  }
+  EXPECT_EQ(client.connection->loss(), Loss::None) << client.connection->loss_text();
+  EXPECT_EQ(areas_seen(), 2u) << "the mapping of the writer and the descriptor of the reader";
+  ChildProcess child([&](const auto&) { ::_exit(areas_seen() == 0 ? 0 : 1); });
+  EXPECT_EQ(child.wait(), 0) << "a forked child holds no area";
+  for (unsigned i = 0; i <= area_kept; ++i) server.connection->beat();
+  EXPECT_EQ(client.connection->loss(), Loss::None);
+  EXPECT_EQ(areas_seen(), 0u);
+}
+
 TEST_F(ShmProcess, AServerThatDiedBeforeItAcceptedHasTakenNothing) {
   ChildProcess server([&](const auto& say_ready) {
     const auto acceptor = listen();

@@ -75,4 +75,25 @@ TEST(TerminationSignals, OfAForkedChildIsNotThatOfItsParent) {
   EXPECT_FALSE(has_come(asked));
 }
 
+TEST(TerminationSignals, AForkedChildMayWaitForSignalsOfItsOwn) {
+  const TerminationSignals asked;
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    int wrong = 0;
+    {
+      const TerminationSignals own;
+      raise(SIGTERM);
+      if (!has_come(own)) wrong = 1;
+    }
+    if (handled(SIGTERM)) wrong |= 2;
+    _exit(wrong);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  EXPECT_FALSE(has_come(asked)) << "the signal was for the child";
+  EXPECT_TRUE(handled(SIGTERM));
+}
+
 }  // namespace gecos::session

@@ -26,6 +26,11 @@ bool is_a(const Entry& entry, std::string_view interface_name) {
          std::ranges::find(entry.bases, interface_name) != entry.bases.end();
 }
 
+/// Returns `since` + `length`, or the end of all times if that is later.
+TimePoint end_of(TimePoint since, Duration length) {
+  return length > TimePoint::max() - since ? TimePoint::max() : since + length;
+}
+
 bool is_kept(const Directory& directory, const Silent& one, TimePoint now) {
   return directory.free_in(one, now) != Duration::zero();
 }
@@ -95,7 +100,7 @@ bool Directory::keeps_name(const std::string& name, TimePoint now) const {
 
 std::optional<Duration> Directory::free_in(const Silent& one, TimePoint now) const {
   if (one.host == Host::Same) return std::nullopt;
-  return std::max(one.since + options_.name_hold - now, Duration::zero());
+  return std::max(end_of(one.since, options_.name_hold) - now, Duration::zero());
 }
 
 std::string Directory::why_kept(const Silent& one, TimePoint now) const {
@@ -103,8 +108,9 @@ std::string Directory::why_kept(const Silent& one, TimePoint now) const {
       described(one.entry) + ", which has been silent for " + in_seconds(now - one.since);
   const auto rest = free_in(one, now);
   if (!rest) return who + "; its process still lives on the broker's host";
-  return who + "; the name is free in " + in_seconds(*rest) + ", or after `gecos free " +
-         one.entry.name + "`";
+  const std::string freed = "after `gecos free " + one.entry.name + "`";
+  if (options_.name_hold == Duration::max()) return who + "; the name is free " + freed;
+  return who + "; the name is free in " + in_seconds(*rest) + ", or " + freed;
 }
 
 tl::expected<void, UnknownName> Directory::withdraw(std::uint64_t session,
@@ -212,7 +218,7 @@ TimePoint Directory::on_tick(TimePoint now) {
     }
     if (one.expected) next = std::min(next, back_by);
     if (one.host == Host::Other)
-      next = std::min(next, kept ? one.since + options_.name_hold : forget);
+      next = std::min(next, kept ? end_of(one.since, options_.name_hold) : forget);
     ++at;
   }
   forget_most(now);

@@ -1,6 +1,7 @@
 #include "gecos/media/buffers/bulk.hpp"
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -26,6 +27,18 @@ bool bring(const std::byte* at, std::size_t bytes, int how) {
     done = ::madvise(const_cast<std::byte*>(at), bytes, how);
   } while (done != 0 && errno == EINTR);
   return done == 0 || errno == EINVAL;
+}
+
+/// Reads `into.size()` bytes of a memfd from the offset `from` on.
+bool read_whole(int memfd, std::size_t from, std::span<std::byte> into) {
+  while (!into.empty()) {
+    const auto got = ::pread(memfd, into.data(), into.size(), static_cast<off_t>(from));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    from += static_cast<std::size_t>(got);
+    into = into.subspan(static_cast<std::size_t>(got));
+  }
+  return true;
 }
 
 }  // namespace
@@ -101,51 +114,75 @@ void BulkWriter::forget() noexcept {
 }
 
 void BulkReader::know(std::uint64_t number, std::shared_ptr<const Mapping> area) {
+  set(number, {std::move(area), nullptr});
+}
+
+void BulkReader::know_unmapped(std::uint64_t number, Descriptor memfd) {
+  set(number, {nullptr, std::make_shared<Descriptor>(std::move(memfd))});
+}
+
+void BulkReader::set(std::uint64_t number, Area area) {
   const MutexLock lock(mutex_);
   number_ = number;
-  area_.swap(area);  // a reader that still copies from the previous area keeps it alive
+  std::swap(area_, area);  // a reader that still copies from the previous area keeps it alive
 }
 
 void BulkReader::end(std::uint64_t number) {
-  std::shared_ptr<const Mapping> area;
+  Area area;
   const MutexLock lock(mutex_);
   if (number != number_) return;
-  area.swap(area_);
+  std::swap(area_, area);
   ended_.store(true, std::memory_order_relaxed);
 }
 
-std::shared_ptr<const Mapping> BulkReader::find(std::uint64_t number) {
+BulkReader::Area BulkReader::find(std::uint64_t number) {
   for (int looks = 0; looks <= most_looks; ++looks) {
     if (looks != 0) look_();
     const MutexLock lock(mutex_);
-    if (number == number_ && area_) return area_;
+    if (number == number_ && area_.known()) return area_;
   }
-  return nullptr;
+  return {};
 }
 
 std::optional<ByteView> BulkReader::copy(const BulkPlace& place) {
-  const auto area = find(place.area);
-  if (!area) return std::nullopt;
+  const Area area = find(place.area);
+  if (!area.known()) return std::nullopt;
   if (backed_area_ != place.area) backed_area_ = place.area, backed_ = 0;
-  // A packet begins at the start of the area or directly after an earlier packet. So its offset is
-  // at most backed_, which is the end of the packets that were read before.
-  if (place.size == 0 || place.size > largest_bulk_packet || place.offset > backed_ ||
-      place.size > area_bytes - place.offset) {
+  if (!is_valid(place, area)) return std::nullopt;
+  if (area.mapping != nullptr && !back(place, *area.mapping)) return std::nullopt;
+  make_room(place.size);
+  if (area.mapping != nullptr) {
+    std::memcpy(copy_.get(), area.mapping->data() + place.offset, place.size);
+  } else if (!read_whole(area.memfd->get(), place.offset, {copy_.get(), place.size})) {
     return std::nullopt;
   }
-  const std::size_t end = whole_pages(place.offset + place.size);
-  if (end > backed_) {
-    if (!bring(area->data() + backed_, end - backed_, MADV_POPULATE_READ)) return std::nullopt;
-    backed_ = end;
-  }
-  if (place.size > copy_bytes_) {
-    copy_.reset();
-    copy_bytes_ =
-        std::clamp<std::size_t>(2 * copy_bytes_, whole_pages(place.size), largest_bulk_packet);
-    copy_ = std::make_unique_for_overwrite<std::byte[]>(copy_bytes_);
-  }
-  std::memcpy(copy_.get(), area->data() + place.offset, place.size);
   return ByteView(copy_.get(), place.size);
+}
+
+bool BulkReader::is_valid(const BulkPlace& place, const Area& area) const {
+  if (place.size == 0 || place.size > largest_bulk_packet) return false;
+  if (place.offset > area_bytes || place.size > area_bytes - place.offset) return false;
+  // A packet begins at the start of the area or directly after an earlier packet. So its offset is
+  // at most backed_, which is the end of the packets that were read before.
+  return area.mapping == nullptr || place.offset <= backed_;
+}
+
+bool BulkReader::back(const BulkPlace& place, const Mapping& area) {
+  const std::size_t end = whole_pages(place.offset + place.size);
+  if (end <= backed_) return true;
+  if (!bring(area.data() + backed_, end - backed_, MADV_POPULATE_READ)) return false;
+  backed_ = end;
+  return true;
+}
+
+void BulkReader::make_room(std::size_t size) {
+  if (size <= copy_bytes_) return;
+  const std::size_t wanted =
+      std::clamp<std::size_t>(2 * copy_bytes_, whole_pages(size), largest_bulk_packet);
+  copy_.reset();
+  copy_bytes_ = 0;
+  copy_ = std::make_unique_for_overwrite<std::byte[]>(wanted);
+  copy_bytes_ = wanted;
 }
 
 void BulkReader::free_copy() {
@@ -155,7 +192,8 @@ void BulkReader::free_copy() {
 }
 
 void BulkReader::forget() noexcept {
-  if (const Mapping* const area = area_.get()) const_cast<Mapping*>(area)->forget();
+  if (area_.mapping != nullptr) const_cast<Mapping&>(*area_.mapping).forget();
+  if (area_.memfd != nullptr) area_.memfd->reset();
 }
 
 }  // namespace gecos::media

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "gecos/base/descriptor.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/buffers/mapping.hpp"
 #include "gecos/media/buffers/ring.hpp"
@@ -106,6 +107,9 @@ class BulkReader final : public BulkSource {
   /// Sets `area`, which has the number `number`, as the current area in place of the previous area.
   /// @pre the size of `area` is area_bytes
   void know(std::uint64_t number, std::shared_ptr<const Mapping> area);
+  /// Like know(), for an area that this process has no address space to map: the packets are read
+  /// from `memfd` by system calls, which takes longer. @pre the memory has area_bytes bytes
+  void know_unmapped(std::uint64_t number, Descriptor memfd);
   /// Must be called when the writer has released the area `number`.
   void end(std::uint64_t number);
 
@@ -121,7 +125,17 @@ class BulkReader final : public BulkSource {
   void forget() noexcept GECOS_NOT_ANALYSED;
 
  private:
-  std::shared_ptr<const Mapping> find(std::uint64_t number);
+  /// The memory of an area: either a mapping or, if the area is not mapped, a memfd.
+  struct Area {
+    std::shared_ptr<const Mapping> mapping;
+    std::shared_ptr<Descriptor> memfd;
+    bool known() const { return mapping != nullptr || memfd != nullptr; }
+  };
+  void set(std::uint64_t number, Area area);
+  Area find(std::uint64_t number);
+  bool is_valid(const BulkPlace& place, const Area& area) const;
+  bool back(const BulkPlace& place, const Mapping& area);
+  void make_room(std::size_t size);
   void free_copy();
 
   const std::function<void()> look_;
@@ -133,7 +147,7 @@ class BulkReader final : public BulkSource {
   std::atomic<bool> ended_{false};  // tells the reader to free its copy; orders no other memory
 
   Mutex mutex_;
-  std::shared_ptr<const Mapping> area_ GECOS_GUARDED_BY(mutex_);
+  Area area_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t number_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 

@@ -12,6 +12,7 @@
 #include "gecos/base/event_fd.hpp"
 #include "gecos/base/fork_watch.hpp"
 #include "gecos/base/mutex.hpp"
+#include "gecos/base/per_process.hpp"
 #include "gecos/media/buffers/bulk.hpp"
 #include "gecos/media/buffers/mapping.hpp"
 #include "gecos/media/buffers/ring.hpp"
@@ -245,30 +246,32 @@ struct Backlog {
 };
 
 /// The backlog of each address at which this process listens. (The medium shm finds an address in
-/// the file system instead.)
+/// the file system instead.) A forked child does not listen at the addresses of its parent.
 struct Backlogs {
   Mutex mutex;
   std::map<std::string, std::weak_ptr<Backlog>, std::less<>> by_address GECOS_GUARDED_BY(mutex);
   std::uint64_t opened GECOS_GUARDED_BY(mutex) = 0;
 
-  static Backlogs& of_this_process() {
-    static Backlogs* const backlogs =
-        new Backlogs;  // never destroyed: outlives all static acceptors
-    return *backlogs;
-  }
+  static Backlogs& of_this_process();
 };
+
+Backlogs& Backlogs::of_this_process() {
+  static constinit PerProcess<Backlogs> backlogs;
+  return backlogs.get();
+}
 
 class InprocAcceptor final : public Acceptor {
  public:
-  InprocAcceptor(std::shared_ptr<Backlog> backlog, std::string address)
-      : backlog_(std::move(backlog)),
+  InprocAcceptor(Backlogs& backlogs, std::shared_ptr<Backlog> backlog, std::string address)
+      : backlogs_(backlogs),
+        backlog_(std::move(backlog)),
         address_(std::move(address)),
         descriptors_{backlog_->event.descriptor()} {}
   ~InprocAcceptor() override {
-    Backlogs& backlogs = Backlogs::of_this_process();
+    if (&backlogs_ != &Backlogs::of_this_process()) return;  // a forked child closes nothing
     {
-      const MutexLock lock(backlogs.mutex);
-      backlogs.by_address.erase(address_);
+      const MutexLock lock(backlogs_.mutex);
+      backlogs_.by_address.erase(address_);
     }
     while (accept() != nullptr) {  // closes the connections of clients that still wait
     }
@@ -292,6 +295,7 @@ class InprocAcceptor final : public Acceptor {
   }
 
  private:
+  Backlogs& backlogs_;
   const std::shared_ptr<Backlog> backlog_;
   const std::string address_;
   const std::array<int, 1> descriptors_;
@@ -313,7 +317,7 @@ class Inproc final : public Medium {
       return tl::unexpected(MediumError{address + " is served already in this process"});
     }
     held = backlog;
-    return std::make_unique<InprocAcceptor>(std::move(backlog), std::move(address));
+    return std::make_unique<InprocAcceptor>(backlogs, std::move(backlog), std::move(address));
   }
 
   tl::expected<std::unique_ptr<Connection>, MediumError> connect(

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <stdexcept>
+#include <string>
 
 namespace gecos::media {
 namespace {
@@ -77,6 +79,16 @@ void SharedStream::write(std::span<std::byte, bytes> to) const {
   put<std::uint16_t>(&to[10], port);
   put<std::uint64_t>(&to[12], channel);
   key.write(to.last<crypto::StreamKey::bytes>());
+}
+
+std::uint16_t SharedStream::depth_for(std::size_t samples) {
+  if (samples > most_depth) {
+    throw std::runtime_error(
+        "it keeps at most " + std::to_string(most_depth) +
+        " samples of a stream, and the interface asks for depth=" + std::to_string(samples) +
+        "; read it on the host of its server, or reduce its depth");
+  }
+  return static_cast<std::uint16_t>(std::max<std::size_t>(samples, 1));
 }
 
 std::optional<SharedStream> SharedStream::read(ByteView from) {

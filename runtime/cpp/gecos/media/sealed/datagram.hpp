@@ -74,6 +74,10 @@ struct SharedStream {
   std::uint64_t channel = 0;
   crypto::StreamKey key;
 
+  /// Returns the value of `depth` for a stream that keeps `samples` samples. Throws
+  /// std::runtime_error with a text for people when that are more than `most_depth`.
+  static std::uint16_t depth_for(std::size_t samples);
+
   void write(std::span<std::byte, bytes> to) const;
   static std::optional<SharedStream> read(ByteView from);
 };

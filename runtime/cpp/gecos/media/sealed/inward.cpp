@@ -13,8 +13,7 @@ InwardStream::InwardStream(std::shared_ptr<SealedSender> sender, const SealedOpt
       largest_(static_cast<std::uint32_t>(std::min(
           largest,
           options.network->largest_datagram() - packet_overhead - InwardSampleHead::bytes))),
-      depth_(
-          static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, SharedStream::most_depth))),
+      depth_(SharedStream::depth_for(depth)),
       fork_watch_(this, [](void* owner) noexcept { static_cast<InwardStream*>(owner)->end(); }) {}
 
 InwardShare InwardStream::shared_as(std::uint32_t id) {

@@ -17,7 +17,7 @@ namespace gecos::media {
 class InwardStream {
  public:
   /// `largest` is the largest size of a sample in bytes. `depth` is the number of samples that the
-  /// reader keeps.
+  /// reader keeps. Throws std::runtime_error when the medium cannot keep so many.
   InwardStream(std::shared_ptr<SealedSender> sender, const SealedOptions& options,
                std::size_t largest, std::size_t depth);
 

@@ -217,8 +217,7 @@ std::unique_ptr<StreamWriter> HandshakeResponder::make_stream(std::size_t larges
   SharedStream where;
   const std::size_t fits = options_.network->largest_datagram() - sample_overhead;
   where.largest = static_cast<std::uint32_t>(std::min(largest, fits));
-  where.depth =
-      static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, SharedStream::most_depth));
+  where.depth = SharedStream::depth_for(depth);
   where.port = stream_port_;
   where.channel = draw_number();
   return std::make_unique<SealedStreamWriter>(std::make_shared<SealedStream>(streams_, where));

@@ -14,9 +14,15 @@ tl::expected<void, std::string> ShmBulk::take(ReceivedControl& control) {
     in.end(number);
     return {};
   }
-  auto mapping = map_received(control.descriptors[0].get(), area_bytes);
-  if (!mapping) return tl::unexpected(std::move(mapping.error()));
-  in.know(number, std::make_shared<const Mapping>(std::move(*mapping)));
+  Descriptor& memfd = control.descriptors[0];
+  auto mapping = map_received(memfd.get(), area_bytes);
+  if (mapping) {
+    in.know(number, std::make_shared<const Mapping>(std::move(*mapping)));
+  } else if (mapping.error().cause == NotMapped::Cause::NoRoom) {
+    in.know_unmapped(number, std::move(memfd));
+  } else {
+    return tl::unexpected(std::move(mapping.error().text));
+  }
   return {};
 }
 

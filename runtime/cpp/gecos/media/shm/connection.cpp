@@ -255,7 +255,7 @@ std::optional<std::string> ShmConnection::know_peer(ReceivedControl& from) {
   auto& [memfd, event] = from.descriptors;
   if (!memfd || !event) return "the peer did not send its memory and its eventfd";
   auto mapping = map_received(memfd.get(), ring_bytes);
-  if (!mapping) return std::move(mapping.error());
+  if (!mapping) return std::move(mapping.error().text);
   const bool trusted = peer_.uid == ::geteuid() && is_event_fd(event.get());
   const RingMemory ring = RingMemory::at(mapping->data(), usual_slot_count);
   reader_.emplace(*own_.control, ring, &bulk_.in);

@@ -34,18 +34,25 @@ tl::expected<SealedMemory, MediumError> make_sealed(const char* name, std::size_
   return memory;
 }
 
-tl::expected<Mapping, std::string> map_received(int memfd, std::size_t size) {
+tl::expected<Mapping, NotMapped> map_received(int memfd, std::size_t size) {
+  const auto invalid = [](const char* text) {
+    return tl::unexpected(NotMapped{NotMapped::Cause::InvalidMemory, text});
+  };
   const int found = ::fcntl(memfd, F_GET_SEALS);
   if (found < 0 || (found & seals) != seals) {
-    return tl::unexpected<std::string>("the peer sent memory that is not sealed");
+    return invalid("the peer sent memory that is not sealed");
   }
   struct stat status {};
   if (::fstat(memfd, &status) != 0 || status.st_size < 0 ||
       static_cast<std::size_t>(status.st_size) != size) {
-    return tl::unexpected<std::string>("the peer sent memory of another size than agreed");
+    return invalid("the peer sent memory of another size than agreed");
   }
   Mapping mapping = Mapping::shared(memfd, size, false);
-  if (!mapping) return tl::unexpected("mmap failed: " + system_text(errno));
+  if (!mapping) {
+    return tl::unexpected(
+        NotMapped{NotMapped::Cause::NoRoom, "this process cannot map " + std::to_string(size) +
+                                                " bytes (see `ulimit -v`): " + system_text(errno)});
+  }
   return mapping;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "gecos/base/descriptor.hpp"
@@ -19,8 +20,18 @@ struct SealedMemory {
 /// Makes zeroed shared memory of a fixed size. No other process can map this memory for writing.
 tl::expected<SealedMemory, MediumError> make_sealed(const char* name, std::size_t size);
 
+/// Why memory of a peer is not mapped.
+struct NotMapped {
+  enum class Cause : std::uint8_t {
+    InvalidMemory,  ///< the peer sent memory that cannot be used
+    NoRoom,         ///< the memory is valid, but this process has no address space left for it
+  };
+  Cause cause = Cause::InvalidMemory;
+  std::string text;
+};
+
 /// Maps memory of a peer for reading. Refuses memory that has another size or no seals, because a
 /// peer could shrink unsealed memory later, and a read would then kill this process by SIGBUS.
-tl::expected<Mapping, std::string> map_received(int memfd, std::size_t size);
+tl::expected<Mapping, NotMapped> map_received(int memfd, std::size_t size);
 
 }  // namespace gecos::media::shm

@@ -56,7 +56,13 @@ std::optional<std::string> SharedStreams::received(ReceivedControl& control) {
   }
   auto mapping = map_received(control.descriptors[0].get(),
                               StreamMemory::bytes(message.largest, message.depth));
-  if (!mapping) return std::move(mapping.error());
+  if (!mapping) {
+    NotMapped& failed = mapping.error();
+    if (failed.cause == NotMapped::Cause::NoRoom && not_received(message.id, failed.text)) {
+      return std::nullopt;
+    }
+    return std::move(failed.text);
+  }
   auto held = std::make_shared<Mapping>(std::move(*mapping));
   not_received_.erase(message.id);
   const StreamMemory memory{held->data(), message.largest, message.depth};

@@ -42,7 +42,8 @@ class SharedStreams {
   // The following functions are for streams that the peer publishes.
 
   /// Takes the memory of a stream from a Share message. Returns an error text when the message is
-  /// invalid; otherwise nullopt.
+  /// invalid; otherwise nullopt. When this process has no address space left for the memory, the
+  /// stream cannot be opened (see why_not_open).
   std::optional<std::string> received(ReceivedControl& control);
   /// Records why the stream `id` cannot be opened. Returns false when there are too many such
   /// streams.

@@ -34,7 +34,7 @@ tl::expected<std::shared_ptr<WriterCore>, Failure> ClientWriter::open(
       auto writer = connection.make_stream(inward_header_size + largest + measured_bytes, depth);
       if (!connection.share(id, *writer)) return;
       opened = std::make_shared<ClientWriter>(session, stream, std::move(writer), id);
-    } catch (const std::exception& error) {  // no memory or no descriptor is left
+    } catch (const std::exception& error) {  // also if no memory or no descriptor is left
       failed = error.what();
     }
   });

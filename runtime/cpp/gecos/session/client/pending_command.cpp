@@ -7,6 +7,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
+#include "gecos/base/per_process.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/callbacks.hpp"
@@ -15,13 +16,19 @@
 namespace gecos::session {
 namespace {
 
+/// The failures that were logged because nobody observed them.
+struct Reported {
+  Mutex mutex;
+  std::set<std::pair<std::string, Detail>> failures GECOS_GUARDED_BY(mutex);
+};
+
 /// Returns true only for the first failure of the operation `about` that has the detail `detail`,
 /// so that a failure in a loop does not fill the disk with log lines.
 bool first_of_its_kind(const std::string& about, Detail detail) {
-  static Mutex& mutex = *new Mutex;  // commands may be destroyed after the last static object
-  static auto& reported = *new std::set<std::pair<std::string, Detail>>;
-  const MutexLock lock(mutex);
-  return reported.emplace(about, detail).second;
+  static constinit PerProcess<Reported> of_processes;
+  Reported& reported = of_processes.get();
+  const MutexLock lock(reported.mutex);
+  return reported.failures.emplace(about, detail).second;
 }
 
 void tell_unasked(const std::string& about, const Failure& failure) {

@@ -12,6 +12,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
+#include "gecos/base/per_process.hpp"
 #include "gecos/base/user_and_host.hpp"
 #include "gecos/media/kinds.hpp"
 
@@ -22,18 +23,8 @@ namespace {
 class OpenRuntimes {
  public:
   /// Returns the list of the runtimes of this process. A forked child gets a new list, because the
-  /// threads of the parent's runtimes do not exist in the child, and because the mutex of the
-  /// parent's list may stay locked for ever.
-  static OpenRuntimes& instance() {
-    static const CloseAtExit at_exit;
-    OpenRuntimes* known = of_this_process_.load();
-    while (known == nullptr || known->owner_ != getpid()) {
-      auto made = std::make_unique<OpenRuntimes>(known);
-      if (of_this_process_.compare_exchange_strong(known, made.get())) known = made.release();
-    }
-    return *known;
-  }
-  explicit OpenRuntimes(const OpenRuntimes* of_parent) : of_parent_(of_parent) {}
+  /// threads of the parent's runtimes do not exist in the child.
+  static OpenRuntimes& instance();
 
   void add(const std::shared_ptr<Runtime>& runtime) {
     const MutexLock lock(mutex_);
@@ -44,9 +35,9 @@ class OpenRuntimes {
  private:
   struct CloseAtExit {
     ~CloseAtExit() {
-      OpenRuntimes* const known = of_this_process_.load();
-      if (known == nullptr || known->owner_ != getpid()) return;
-      for (const auto& runtime : known->alive()) runtime->close_sessions(std::chrono::seconds(1));
+      for (const auto& runtime : instance().alive()) {
+        runtime->close_sessions(std::chrono::seconds(1));
+      }
     }
   };
 
@@ -59,16 +50,15 @@ class OpenRuntimes {
     return found;
   }
 
-  /// The instance is never destroyed, because runtimes are added until the process ends.
-  static inline std::atomic<OpenRuntimes*> of_this_process_{nullptr};
-
-  const pid_t owner_ = getpid();
-  /// The list of the process that forked this process. The list is not used. The pointer keeps the
-  /// list reachable, so that leak checkers do not report a leak.
-  [[maybe_unused]] const OpenRuntimes* const of_parent_;
   Mutex mutex_;
   std::vector<std::weak_ptr<Runtime>> runtimes_ GECOS_GUARDED_BY(mutex_);
 };
+
+OpenRuntimes& OpenRuntimes::instance() {
+  static constinit PerProcess<OpenRuntimes> runtimes;
+  static const CloseAtExit at_exit;
+  return runtimes.get();
+}
 
 std::atomic<std::uint64_t> incarnation_of_this_process{
     0};  // 0: no number was drawn yet; orders no other memory

@@ -6,6 +6,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
+#include "gecos/base/per_process.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/server_call.hpp"
@@ -19,8 +20,8 @@ struct Sessions {
 };
 
 Sessions& sessions() {
-  static Sessions& known = *new Sessions;  // never destroyed: used until the process ends
-  return known;
+  static constinit PerProcess<Sessions> known;
+  return known.get();
 }
 
 using Calls = std::vector<std::shared_ptr<ServerCall>>;
@@ -51,20 +52,23 @@ bool leads_back(Calls& way) {
 }  // namespace
 
 void note_session(SessionId id, std::weak_ptr<ObjectHost> object) {
-  const MutexLock lock(sessions().mutex);
-  sessions().objects.insert_or_assign(id, std::move(object));
+  Sessions& known = sessions();
+  const MutexLock lock(known.mutex);
+  known.objects.insert_or_assign(id, std::move(object));
 }
 
 void forget_session(SessionId id) {
-  const MutexLock lock(sessions().mutex);
-  sessions().objects.erase(id);
+  Sessions& known = sessions();
+  const MutexLock lock(known.mutex);
+  known.objects.erase(id);
 }
 
 std::shared_ptr<ObjectHost> object_in(const CommandId& call) {
   if (call.incarnation != number(process_incarnation())) return nullptr;
-  const MutexLock lock(sessions().mutex);
-  const auto found = sessions().objects.find(SessionId{call.session});
-  return found == sessions().objects.end() ? nullptr : found->second.lock();
+  Sessions& known = sessions();
+  const MutexLock lock(known.mutex);
+  const auto found = known.objects.find(SessionId{call.session});
+  return found == known.objects.end() ? nullptr : found->second.lock();
 }
 
 std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler) {

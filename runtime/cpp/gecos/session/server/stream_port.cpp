@@ -68,7 +68,7 @@ tl::expected<media::StreamWriter*, std::string> StreamPort::writer_for(media::Ac
     }
     if (kept_) static_cast<void>(made->publish(latest(), latest_stamp_ns_));
     return writers_.emplace(medium, std::move(made)).first->second.get();
-  } catch (const std::exception& failed) {  // no memory or no descriptor is left
+  } catch (const std::exception& failed) {  // also if no memory or no descriptor is left
     return tl::unexpected(named() + " cannot be opened over " + std::string(medium) + ": " +
                           failed.what());
   }
@@ -231,7 +231,7 @@ void StreamPort::move_on(std::string_view medium) {
   if (found == writers_.end()) return;
   try {
     found->second->move_on();
-  } catch (const std::exception& failed) {  // no memory or no descriptor is left
+  } catch (const std::exception& failed) {  // also if no memory or no descriptor is left
     log_error("session", named() + " is closed over " + std::string(medium) +
                              ": a client was excluded, and the stream cannot be moved to memory "
                              "that this client cannot read: " +
