@@ -53,6 +53,21 @@ def test_the_owner_of_a_key_is_shown_kept_and_removed_with_it(
     assert [file.name for file in folder.iterdir() if KEY in file.name] == []
 
 
+@pytest.mark.parametrize("name", ["anna@pc", "anna"])
+def test_remove_of_an_owner_says_what_it_takes_and_what_takes_an_owner(
+    folder: Path, tmp_path: Path, run: Run, name: str
+) -> None:
+    assert run("keys", "add", received(tmp_path, KEY), "anna@pc")[0] == 0
+    assert run("keys", "remove", name) == (
+        2,
+        "",
+        f"gecos: {name}: this is an owner; give the name of the file of one key, or at least 8 "
+        "digits of its fingerprint (`gecos keys` lists both), or run "
+        f"`gecos revoke {name}`, which takes an owner\n",
+    )
+    assert (folder / f"{KEY}.public").exists()
+
+
 @pytest.mark.parametrize("owner", ["anna", "@desk", "anna@", "an na@desk", "a@b@c", 'a"@b'])
 def test_a_text_that_is_no_owner_is_refused(
     folder: Path, tmp_path: Path, run: Run, owner: str

@@ -216,11 +216,17 @@ def _named(name: str) -> Admitted:
     own = own_key()
     wanted = Path(name).name
     digits = wanted.removesuffix(_SUFFIX).replace(":", "").lower()
+    found = [one for one in admitted() if one.file.name == wanted or one.key.startswith(digits)]
+    if owned_by(name) and (not found or len(digits) < _LEAST_DIGITS):
+        raise KeyFolderError(
+            f"{name}: this is an owner; give the name of the file of one key, or at least "
+            f"{_LEAST_DIGITS} digits of its fingerprint (`gecos keys` lists both), or run "
+            f"`gecos revoke {name}`, which takes an owner"
+        )
     if len(digits) < _LEAST_DIGITS:
         raise KeyFolderError(f"{name}: give at least {_LEAST_DIGITS} digits of the fingerprint")
     if own.startswith(digits):
         raise KeyFolderError(f"{name}: this is your own key, which your programs need")
-    found = [one for one in admitted() if one.file.name == wanted or one.key.startswith(digits)]
     if len(found) != 1:
         how_many = "no admitted key has" if not found else f"{len(found)} admitted keys have"
         raise KeyFolderError(f"{name}: {how_many} this name; `gecos keys` lists the admitted keys")

@@ -7,12 +7,20 @@ when the verb is used, and the function of the verb imports the modules that onl
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 from importlib import import_module
+from typing import TextIO
 
 import click
 
-from gecos.cli.exit_codes import ExitCode, InterruptedCommand, exit_code, failure_json
+from gecos.cli.exit_codes import (
+    ExitCode,
+    InterruptedCommand,
+    UsageFailure,
+    exit_code,
+    failure_json,
+)
 from gecos.cli.options import print_json
 
 _VERBS = {
@@ -46,6 +54,10 @@ _VERBS = {
     "why": "why.why",
 }
 """Maps each verb to its module and the name of its function."""
+
+_WITHOUT_OUTPUT = ("broker", "stop", "up")
+"""The verbs that also run without standard output. A stop must never fail for this reason; the
+other two are daemons."""
 
 
 class Verbs(click.Group):
@@ -107,7 +119,11 @@ def app() -> None:
 
 def run() -> int:
     """Runs the command line and returns the exit code. A failure is printed in one line."""
+    if not _has_streams():
+        print("gecos: standard output is closed; nothing was done", file=sys.stderr)
+        return ExitCode.ENVIRONMENT
     try:
+        _refuse_bytes()
         code = app(prog_name="gecos", standalone_mode=False)
     except click.exceptions.Exit as end:
         return end.exit_code
@@ -117,6 +133,37 @@ def run() -> int:
         _tell(error)
         return exit_code(error)
     return code if isinstance(code, int) else ExitCode.FINISHED
+
+
+def _has_streams() -> bool:
+    """Replaces standard error, if it was closed before gecos started, by one that discards its
+    text: Python has None in place of a closed stream, and would print the text on standard output.
+    Does the same with standard output for the verbs of _WITHOUT_OUTPUT; for any other verb, returns
+    False if standard output is closed."""
+    if sys.stderr is None:
+        sys.stderr = _nowhere()
+    if sys.stdout is None:
+        verb = next((word for word in sys.argv[1:] if not word.startswith("-")), "")
+        if verb not in _WITHOUT_OUTPUT:
+            return False
+        sys.stdout = _nowhere()
+    return True
+
+
+def _nowhere() -> TextIO:
+    return os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8", errors="replace")
+
+
+def _refuse_bytes() -> None:
+    """Raises UsageFailure if an argument is not UTF-8. Python has lone surrogates in place of such
+    bytes, which no text of gecos may contain."""
+    for word in sys.argv[1:]:
+        try:
+            word.encode()
+        except UnicodeEncodeError:
+            raise UsageFailure(
+                f"the argument {os.fsencode(word)!r} is not UTF-8; give valid UTF-8"
+            ) from None
 
 
 def _tell(error: Exception) -> None:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 # Longest wait in s. A signal that arrives just before Python begins to wait is handled only after
 # the wait.
 _LOOK_ANYWAY = 0.5
+_MOST_AHEAD = 64  # events that are read before the previous ones are printed
 _Heard = tuple[str, "Sample[Any] | Exception"]
 
 
@@ -90,13 +91,17 @@ def _chosen(robot: DynamicObject, wanted: Sequence[str]) -> list[Attribute]:
 
 def _heard(streams: dict[str, Stream[Any]]) -> Generator[tuple[str, Sample[Any]]]:
     """Yields the events of all streams; a separate thread reads each stream. If reading a stream
-    raises an exception, raises this exception."""
+    raises an exception, raises this exception. The threads read at most _MOST_AHEAD events, and one
+    more of each stream, before the caller uses them. A stream counts the events that it loses while
+    its thread waits for the caller."""
     queue: SimpleQueue[_Heard] = SimpleQueue()
+    places = threading.Semaphore(_MOST_AHEAD)
 
     def read(event: str, stream: Stream[Any]) -> None:
         try:
             for sample in stream:
                 queue.put((event, sample))
+                places.acquire()
         except Exception as error:
             queue.put((event, error))
 
@@ -112,8 +117,10 @@ def _heard(streams: dict[str, Stream[Any]]) -> Generator[tuple[str, Sample[Any]]
             if isinstance(sample, Exception):
                 raise sample
             yield event, sample
+            places.release()
     finally:
         for stream in streams.values():
             stream.close()
+        places.release(len(threads))  # each thread waits for a place at most once more
         for thread in threads:
             thread.join()

@@ -27,6 +27,7 @@ from gecos.proxy import Object
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
+    from pathlib import Path
 
     from gecos_idl.broker_types import Entry, SilentObject
 
@@ -140,34 +141,22 @@ def connect_to(
     return lab.create(anything, entry.name, medium=medium, patience=patience)
 
 
-def objects_here(lab: Lab, *, patience: float = 2.0) -> tuple[dict[str, Object], dict[str, str]]:
-    """Connects to all objects whose sockets are in the runtime directory of this user, without a
-    broker. Returns two dicts. The first has the proxies, with the names of the objects as keys; the
-    proxies have only the built-in operations. The second has each object that does not answer
-    although its server seems to live, with the reason. Its keys are names of sockets, which contain
-    only the first 32 characters of the names of objects."""
-    from concurrent.futures import ThreadPoolExecutor
+def sockets_here() -> list[Path]:
+    """Returns the sockets of the objects in the runtime directory of this user. The name of a
+    socket begins with the first 32 characters of the name of its object, and a dot."""
     from pathlib import Path
 
+    sockets = sorted(Path(_core.runtime_directory()).glob("*.sock"))
+    return [socket for socket in sockets if socket.name != "BROKER.sock"]
+
+
+def connect_here(lab: Lab, socket: Path, *, patience: float = 2.0) -> Object | str | None:
+    """Connects to the object of a socket without a broker. The proxy has only the built-in
+    operations. Returns the reason if the object does not answer although its server seems to live.
+    Returns None if no server listens: a killed server has left the socket over."""
     anything = _without_members("gecos::GecosObject", 0)
-    sockets = [
-        socket
-        for socket in sorted(Path(_core.runtime_directory()).glob("*.sock"))
-        if socket.name != "BROKER.sock"
-    ]
-    # All objects are asked at the same time, so that a server that does not answer does not delay
-    # the other answers.
-    with ThreadPoolExecutor(max(1, len(sockets))) as threads:
-        opened = threads.map(lambda at: lab._at(anything, f"shm:{at}", patience), sockets)
-        found: dict[str, Object] = {}
-        silent: dict[str, str] = {}
-        for socket, answer in zip(sockets, opened, strict=True):
-            if not isinstance(answer, str):
-                found[answer._gecos_session.object_name] = answer
-            # A socket on which no server listens is left over from a killed server, and is skipped.
-            elif "no server listens" not in answer:
-                silent[socket.name.split(".")[0]] = answer
-    return found, silent
+    answer = lab._at(anything, f"shm:{socket}", patience)
+    return None if isinstance(answer, str) and "no server listens" in answer else answer
 
 
 def _silence(lab: Lab, name: str, patience: float) -> CreateError | None:
