@@ -9,6 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
+import gecos_idl.object  # noqa: F401  # gecos.stop needs it, and no descriptor may be left then
+
 import gecos
 from gecos.dynamic_client.connect import (
     BROKER,
@@ -93,7 +95,10 @@ def _stop_without_broker(
 def _end_here(lab: gecos.Lab, socket: Path, names: Sequence[str] | None) -> _End | None:
     """Stops the object of a socket, if it is one of `names` or `names` is None. Returns None if it
     is not, or if no server listens."""
-    robot = connect_here(lab, socket)
+    try:
+        robot = connect_here(lab, socket)
+    except (OSError, RuntimeError) as error:
+        robot = str(error)
     if robot is None:
         return None
     if isinstance(robot, str):
@@ -134,7 +139,7 @@ def _failure_of(connected: Callable[[], gecos.Object]) -> Exception | None:
             f"its server has not confirmed the stop within {_STOP_WITHIN:g} s; "
             "the object may still move"
         )
-    except (ConnectionError, RuntimeError) as error:
+    except (OSError, RuntimeError) as error:  # OSError: also an import without a descriptor
         return error
     return None
 
