@@ -43,6 +43,15 @@ def test_a_command_may_begin_within_the_bound_and_after_presence_counts_again(
     assert judged(tmp_path, RIGHT, ZONE) == []
 
 
+def test_a_mark_may_be_a_kernel_tick_too_early(tmp_path: Path) -> None:
+    after_return = RIGHT.replace(begins(3, 4000), begins(3, 2995))
+    assert judged(tmp_path, after_return, ZONE) == []
+    early = RIGHT.replace(begins(3, 4000), begins(3, 2985))
+    assert judged(tmp_path, early, ZONE) == [
+        f"server.0.log: command {HERS + 3} began 0.985 s after the person had left"
+    ]
+
+
 def test_rejected_is_a_command_that_begins_while_nobody_is_present(tmp_path: Path) -> None:
     late = RIGHT.replace(begins(2, 2100), begins(2, 2600))
     assert judged(tmp_path, late, ZONE) == [

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 BOUND_S = 0.25
 """Promised: from the loss of presence until nothing starts any more."""
+TICK_NS = 10_000_000
+"""The mark of a start may be one kernel tick too early (IncomingCall::marked_at), at most 10 ms."""
 REPORT_LIVES_S = 1.0
 """For so long an object believes the last report of a zone that has fallen silent. The zone is also
 silent for an object until they have a new session, after one of them stood still or ended."""
@@ -102,7 +104,7 @@ def check(history: History) -> Iterator[str]:
                 silent = _is_silent(history, server.pid, absence.begin, absence.end)
                 heard_s = REPORT_LIVES_S if silent else absence.heard_s
                 knew = history.awake_s(server.pid, absence.begin, at) > heard_s + BOUND_S
-                if at < absence.end and knew:
+                if at + TICK_NS < absence.end and knew:
                     yield (
                         f"{server.name}: {what} began"
                         f" {(until - absence.begin) * 1e-9:.3f} s after {absence.why}"
