@@ -190,15 +190,16 @@ def hand_over(times: int, build: Path, figures: Figures) -> None:
 
 
 def gather_a_crowd(clients: int, build: Path, env: Mapping[str, str], figures: Figures) -> None:
-    """One client process for 20 clients, and one object for ten, in 20 servers at most. Then one
-    client process that reaches as many objects as it has clients."""
+    """One client process for 20 clients, and one object for ten, in 20 servers at most: this crowd
+    must keep the promised bounds. Then one client process that reaches as many objects as it has
+    clients, whose costs are shown."""
     for medium in ("shm", "lcm"):
         for objects, processes in ((max(clients // 10, 1), max(clients // 20, 1)), (clients, 1)):
             servers = next(count for count in (20, 10, 5, 2, 1) if objects % count == 0)
             plan = Crowd(medium, objects, servers, clients, processes)
             costs = crowd.measure(plan, build, env)
             print(f"{plan}: {costs}", flush=True)
-            broken = costs.broken_bounds(quiet=True)
+            broken = costs.broken_bounds(quiet=True) if objects < clients else []
             figures.failed.extend(f"{plan}: {bound}" for bound in broken)
 
 
