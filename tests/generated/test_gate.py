@@ -1,4 +1,4 @@
-"""The short form of the gate (tests/generated/gate): every accepted file of the corpus and eight
+"""The short form of the gate (tests/generated/gate): every accepted file of the corpus and five
 random sets of files through the compiler, both languages and the encoder of the gate itself.
 `make fuzz` has the long form. GIDL_GATE_SEED begins five other sets."""
 
