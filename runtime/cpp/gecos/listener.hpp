@@ -74,7 +74,8 @@ class Listener {
   /// Ends the subscription. Waits for no sample, but until a function that is running has returned.
   /// Afterwards the functions are neither running nor called again, and are destroyed. If one of
   /// the functions calls close(), or destroys the Listener, it is the last call: the subscription
-  /// ends when the function returns. A function may call close() while another thread does.
+  /// ends when the function returns. A function may call close() while another thread does;
+  /// two other threads must not call it at the same time.
   void close() { thread_.close(); }
 
  private:

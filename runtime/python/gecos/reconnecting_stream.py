@@ -130,7 +130,8 @@ class ReconnectingStream(Generic[P, T]):
         while not (self._closed.is_set() or self._source.lab._closed):
             if self._stream is None:
                 self._try_to_open(end)
-            sample = None if self._stream is None else self._next_of(self._stream, end)
+            stream = self._stream  # read once, because another thread may call `close`
+            sample = None if stream is None else self._next_of(stream, end)
             if sample is not None:
                 return sample
             if time.monotonic() >= end:

@@ -35,7 +35,8 @@ class Intake {
     std::uint64_t counter = 0;
     Duration age{};  ///< time since the client sent the packet
     /// A pause of this process is not judged yet, or the client sent the packet before the last
-    /// pause ended. Used only for a packet that is too_old().
+    /// pause ended. Used only for a packet that is too_old(). False for a
+    /// `stop`.
     bool from_a_pause = false;
     bool needs_all = false;  ///< the call may be accepted only after all earlier calls have arrived
   };

@@ -261,7 +261,8 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
   // all earlier calls have arrived.
   const bool release = packet.header.code == GecosObjectInterface::release.code;
   const Duration age = session->connection().age();
-  // A `stop` takes effect however old it is.
+  // A `stop` over a medium that loses no packets takes effect however old it is. Over other media
+  // an old packet is ignored, as that of any call.
   const bool stop = packet.header.code == GecosObjectInterface::stop.code;
   bool from_a_pause = !stop && session->intake.too_old(age);
   if (from_a_pause && !unheard_since_a_pause(*session)) {
