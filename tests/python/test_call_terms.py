@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from typing import Any
@@ -11,6 +9,7 @@ from typing import Any
 import gecos
 import pytest
 from gecos import Detail, State
+from generated_module import imported
 
 OVEN = """\
 #pragma once
@@ -32,15 +31,8 @@ def kitchen(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     out = tmp_path_factory.mktemp("kitchen")
     source = out / "kitchen.gidl"
     source.write_text(OVEN)
-    words = ["--lang", "python", "-I", out, "--out", out, source]
-    subprocess.run(
-        [sys.executable, "-m", "gidl", "gen", *words], check=True, stdout=subprocess.DEVNULL
-    )
-    with pytest.MonkeyPatch.context() as path:
-        path.syspath_prepend(str(out / "python"))
-        import kitchen  # type: ignore[import-not-found, unused-ignore]
-
-        yield kitchen
+    with imported("kitchen", source, out, out) as module:
+        yield module
 
 
 class Served:

@@ -4,8 +4,6 @@ copy."""
 from __future__ import annotations
 
 import asyncio
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +12,7 @@ import gecos
 import numpy as np
 import pytest
 from gecos.wire import DecodeError, EncodeError
+from generated_module import imported
 
 TREE = Path(__file__).resolve().parents[2]
 FULL = 1920 * 1080 * 3
@@ -24,15 +23,8 @@ def images(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """The generated module of camera.gidl."""
     out = tmp_path_factory.mktemp("images")
     root = TREE / "tests" / "idl"
-    words = ["--lang", "python", "-I", root, "--out", out, root / "images" / "camera.gidl"]
-    subprocess.run(
-        [sys.executable, "-m", "gidl", "gen", *words], check=True, stdout=subprocess.DEVNULL
-    )
-    with pytest.MonkeyPatch.context() as path:
-        path.syspath_prepend(str(out / "python"))
-        import images.camera
-
-        yield images.camera
+    with imported("images.camera", root / "images" / "camera.gidl", root, out) as module:
+        yield module
 
 
 @pytest.fixture

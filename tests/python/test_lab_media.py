@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +11,7 @@ from typing import Any
 import gecos
 import pytest
 from command_output import Run, valid
+from generated_module import imported
 
 INTERFACE = """#pragma once
 
@@ -32,17 +31,11 @@ Write = Callable[[str], Path]
 @pytest.fixture(scope="module")
 def drives(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """The generated module of INTERFACE."""
-    folder = tmp_path_factory.mktemp("drives")
-    (folder / "drives.gidl").write_text(INTERFACE)
-    words = ["--lang", "python", "-I", folder, "--out", folder, folder / "drives.gidl"]
-    subprocess.run(
-        [sys.executable, "-m", "gidl", "gen", *words], check=True, stdout=subprocess.DEVNULL
-    )
-    with pytest.MonkeyPatch.context() as path:
-        path.syspath_prepend(str(folder / "python"))
-        import drives  # type: ignore[import-not-found, unused-ignore]
-
-        yield drives
+    out = tmp_path_factory.mktemp("drives")
+    source = out / "drives.gidl"
+    source.write_text(INTERFACE)
+    with imported("drives", source, out, out) as module:
+        yield module
 
 
 @pytest.fixture

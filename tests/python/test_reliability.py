@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import gecos
 import pytest
+from generated_module import imported
 
 CORNERS = Path(__file__).resolve().parents[1] / "idl" / "corners"
 
@@ -18,15 +17,8 @@ CORNERS = Path(__file__).resolve().parents[1] / "idl" / "corners"
 def reliable(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """The generated module of reliable.gidl."""
     out = tmp_path_factory.mktemp("reliable")
-    words = ["--lang", "python", "-I", CORNERS, "--out", out, CORNERS / "reliable.gidl"]
-    subprocess.run(
-        [sys.executable, "-m", "gidl", "gen", *words], check=True, stdout=subprocess.DEVNULL
-    )
-    with pytest.MonkeyPatch.context() as path:
-        path.syspath_prepend(str(out / "python"))
-        import reliable  # type: ignore[import-not-found, unused-ignore]
-
-        yield reliable
+    with imported("reliable", CORNERS / "reliable.gidl", CORNERS, out) as module:
+        yield module
 
 
 @pytest.fixture
