@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "../media/child_process.hpp"
 #include "../settles.hpp"
 #include "over_media.hpp"
 
@@ -201,6 +202,14 @@ TEST_P(Listeners, AreClosedByTheirDestructorAndByAnAssignment) {
   auto listening = gecos::listen(level(), [kept = std::move(kept)](const Sample&) {});
   listening = gecos::listen(level(), hear());
   EXPECT_TRUE(first.expired());
+  servant_.publish(1);
+  EXPECT_TRUE(heard_.await(1));
+}
+
+TEST_P(Listeners, MayBeDestroyedInAForkedChildAndGoOnInTheParent) {
+  std::optional<Listener<std::int32_t>> listening = gecos::listen(level(), hear());
+  gecos::media::ChildProcess child([&](const std::function<void()>&) { listening.reset(); });
+  EXPECT_EQ(child.wait(), 0);
   servant_.publish(1);
   EXPECT_TRUE(heard_.await(1));
 }

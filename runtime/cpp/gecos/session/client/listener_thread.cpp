@@ -102,12 +102,15 @@ void ListenerThread::close() {
   if (thread.joinable()) thread.join();
 }
 
-/// Ends the thread, or leaves it to end by itself if it is the calling thread.
+/// Ends the thread, or leaves it to end by itself if it is the calling thread. A forked child has
+/// no such thread, and the mutex may stay locked for ever there, so the child leaks the state.
 void ListenerThread::leave() {
   if (shared_ == nullptr) return;
+  if (getpid() != shared_->owner) {
+    static_cast<void>(new std::shared_ptr<Shared>(std::move(shared_)));
+    return;
+  }
   close();
-  // The thread is still there if a callback calls this function, and in a forked child, where it
-  // does not exist.
   const MutexLock lock(shared_->mutex);
   if (shared_->thread.joinable()) shared_->thread.detach();
 }
