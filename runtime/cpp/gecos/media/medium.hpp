@@ -355,9 +355,8 @@ class Medium {
       std::string_view address) = 0;
   /// Returns the well-known address of `name`, even when no server listens there.
   virtual std::string well_known_address(std::string_view name) const = 0;
-  /// Returns further well-known addresses of `name`, at which servers of other users of this host
-  /// admit the programs of all users. A client tries these addresses after the result of
-  /// well_known_address().
+  /// Returns further well-known addresses of `name`, which other users of this host have opened to
+  /// all users. A client tries these addresses after the result of well_known_address().
   virtual std::vector<std::string> shared_addresses(std::string_view) const { return {}; }
 };
 

@@ -23,8 +23,8 @@ class FailoverPlan {
   };
   /// Must be called periodically. `must_stay`: the session must not move now.
   Act look(bool degraded, bool must_stay, TimePoint now);
-  /// Must be called when the search found no medium. Returns whether the program must be told that
-  /// the session stays.
+  /// Must be called when no better medium was found. Returns whether the program must be told that
+  /// the session stays on its medium.
   bool found_none(TimePoint now);
   /// Must be called when the session has moved to another medium.
   void moved() { *this = {}; }

@@ -84,4 +84,6 @@ class _Counter:
 
 def _limit(free: int, place: str) -> None:
     if free > _MAX_FREE:
-        raise Malformed(f"{place} would have more than {_MAX_FREE} values that take no bytes")
+        raise Malformed(
+            f"{place} would have more than {_MAX_FREE} values that take no bytes (empty structs)"
+        )

@@ -44,8 +44,9 @@ tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const
                                                          const std::string& address,
                                                          const StatedMedia& stated);
 
-/// Returns the operations and streams of `interface` whose own quality, together with `requested`,
-/// `line` does not meet. `simulated`: whether the object is a simulated device.
+/// Returns the operations and streams of `interface` that `line` does not suit: it does not meet
+/// the quality that they declare or the quality that is `requested`. `simulated`: whether the
+/// object is a simulated device.
 std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interface,
                                              const qos::LineCapabilities& line, bool simulated,
                                              const qos::RequestedQuality& requested = {});

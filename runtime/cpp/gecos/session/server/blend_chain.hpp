@@ -24,7 +24,8 @@ namespace gecos::session {
 /// clock. Not thread-safe.
 class BlendChain {
  public:
-  /// A command that did not succeed and that was not left out because of another command.
+  /// A command that did not succeed for a reason of its own. A command that was left out because
+  /// of an earlier failure is none.
   struct Failed {
     std::uint64_t counter = 0;
     std::string operation;  ///< for example "move"
@@ -75,7 +76,8 @@ class BlendChain {
     // detached the failed command.
     std::uint64_t seen_from = never, canceled_from = never, detached_from = never;
 
-    /// Returns the counter of the first command that the program issued after it knew the failure.
+    /// Returns the counter of the first command that the program issued after it had learned of the
+    /// failure in any of these three ways.
     std::uint64_t known_from() const;
     /// Returns the counter of the first command by which the program has decided to continue: the
     /// first command that the program issued after it had seen the failure. If the failed command

@@ -16,8 +16,8 @@ class ServerSession;
 /// The inward streams of one object, each with its own InwardPort. Thread-safe.
 class ObjectInward {
  public:
-  /// The ports read from these arguments whether a pause is judged, whether the broker confirms the
-  /// name of the object, and whether a person is present.
+  /// The ports read from these arguments whether a pause of this process still has to be
+  /// judged, whether the broker confirms the name of the object, and whether a person is present.
   ObjectInward(const ObjectSetup& setup, const NameClaim& claim,
                const access::ObjectPresence& presence);
 

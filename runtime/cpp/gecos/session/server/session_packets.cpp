@@ -566,9 +566,10 @@ OutcomeRecord SessionPackets::outcome_of(SessionId asked, std::uint64_t counter)
     if (!session->intake.seen(counter)) {
       if (!session->repeats()) return {number_of(Detail::Sent), "the call has not arrived yet"};
       if (session->intake.reject_late(counter) == ReceiveWindow::Verdict::Beyond) {
-        return {number_of(Detail::Sent),
-                "the call has not arrived, but may still start: it is too far ahead of a missing "
-                "call; ask again"};
+        return {
+            number_of(Detail::Sent),
+            "the call has not arrived, but may still arrive and start, because earlier calls are "
+            "missing, too; ask again"};
       }
       const Failure failure{Detail::NotStarted, never.text, {}, {}};
       session->chain.failed({counter, "a call that had not arrived", failure.detail, failure.text});

@@ -133,7 +133,9 @@ def _mend(reason: str, at: BrokerPlace, us: str) -> str:
     if at.address.partition(":")[0] not in _MEDIA:
         if at.of_environment:
             return "export GECOS_BROKER=lcm for a broker of another host (unset it for this host's)"
-        return f'write address = "lcm" at {at.source} for a broker of another host (or remove it)'
+        return (
+            f'write address = "lcm" at {at.source} for a broker of another host, or remove the line'
+        )
     mend = f"run gecos broker on the host and as the user that {at} names"
     if "does not admit our key" in reason:
         mend += (
