@@ -33,10 +33,10 @@ from gidl.model import (
 
 
 def escaped(name: str, reserved: Collection[str]) -> str:
-    """Returns `name`, with underscores added at its end if the name is in `reserved`.
+    """Returns `name`, with underscores added at its end if the name without its last underscores,
+    or with one underscore, is in `reserved`.
 
-    Different names stay different, so a name gets underscores, too, if another name with fewer or
-    more underscores at its end is reserved: if `class` is reserved, `class` becomes `class_`, and
+    Different names therefore stay different: if `class` is reserved, `class` becomes `class_`, and
     `class_` becomes `class__`. If `held_` is reserved, `held` becomes `held__`, and `held_` becomes
     `held___`.
     """

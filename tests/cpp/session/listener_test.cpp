@@ -240,13 +240,16 @@ TEST_P(Listeners, MayBeClosedByTheirCallback) {
 
 TEST_P(Listeners, MayBeDestroyedByTheirCallback) {
   std::unique_ptr<Listener<std::int32_t>> listening;
+  std::promise<void> assigned;  // gives the order that ThreadSanitizer cannot see in shared memory
   std::shared_ptr<int> kept = std::make_shared<int>();
   const std::weak_ptr<int> callback = kept;
   listening = std::make_unique<Listener<std::int32_t>>(
       level(), [&, kept = std::move(kept)](const Sample& sample) {
+        assigned.get_future().wait();
         listening.reset();
         heard_.add(sample);
       });
+  assigned.set_value();
   servant_.publish(1);
   EXPECT_TRUE(heard_.await(1));
   servant_.publish(2);
