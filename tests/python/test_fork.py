@@ -77,14 +77,25 @@ CHILDREN = {
     "makes its own": "assert gecos.Lab().create(Lamp, 'LAMP').label().result(30) == 'a lamp'",
 }
 
+TRIES = 5
+"""A busy machine may let a program stand still for more than 500 ms: then the server ends the
+command that runs, as it must. Such a try shows nothing about forks."""
+
 
 @pytest.mark.parametrize("child", CHILDREN)
 def test_a_forked_child_ends_and_leaves_its_parent_alone(
-    lab: gecos.Lab, server: gecos.Server, servant: PlainLamp, child: str
+    lab: gecos.Lab,
+    server: gecos.Server,
+    servant: PlainLamp,
+    child: str,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
-    with running(PARENT.replace("{child}", "        " + CHILDREN[child])) as program:
-        out, err = program.communicate(timeout=60)
-        assert (out, err, program.returncode) == ("well\n", "", 0)
+    for _ in range(TRIES):
+        with running(PARENT.replace("{child}", "        " + CHILDREN[child])) as program:
+            out, err = program.communicate(timeout=60)
+        if "this process stood still" not in capfd.readouterr().err + err:
+            break
+    assert (out, err, program.returncode) == ("well\n", "", 0)
 
 
 READING = (

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 
@@ -29,6 +30,8 @@ class CountedTarget final : public TickTarget {
     ticked_.notify_all();
     return now + period_;
   }
+  bool take_hurry() override { return hurries_.exchange(false); }
+  void be_in_a_hurry() { hurries_ = true; }
   void await_ticks(int count) {
     std::unique_lock lock(mutex_);
     ASSERT_TRUE(ticked_.wait_for(lock, std::chrono::seconds(30), [&] { return ticks_ >= count; }));
@@ -40,6 +43,7 @@ class CountedTarget final : public TickTarget {
 
  private:
   const Duration period_;
+  std::atomic<bool> hurries_{false};
   std::mutex mutex_;
   std::condition_variable ticked_;
   int ticks_ = 0;
@@ -58,6 +62,25 @@ TEST(Maintenance, CallsATargetOnlyWhenItsTickIsDueOrTheThreadIsWoken) {
   EXPECT_EQ(rarely->ticks(), woken);
   maintenance.wake();
   rarely->await_ticks(woken + 1);
+}
+
+TEST(Maintenance, CallsOnlyTheTargetThatIsInAHurry) {
+  Maintenance maintenance(system_clock());
+  const auto hurried = std::make_shared<CountedTarget>(std::chrono::hours(1));
+  const auto other = std::make_shared<CountedTarget>(std::chrono::hours(1));
+  maintenance.add(hurried);
+  maintenance.add(other);  // the newer target ticks first
+  hurried->await_ticks(1);
+  other->await_ticks(1);
+  for (int time = 0; time < 5; ++time) {
+    const int before = hurried->ticks();
+    const int others = other->ticks();
+    hurried->be_in_a_hurry();
+    maintenance.hurry();
+    hurried->await_ticks(before + 1);
+    // add() wakes the thread, perhaps for the first hurry only.
+    if (time > 0) EXPECT_EQ(other->ticks(), others);
+  }
 }
 
 }  // namespace

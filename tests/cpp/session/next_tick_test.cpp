@@ -22,7 +22,7 @@ constexpr TimePoint ends = began + 20s;
 
 /// A session of a client.
 struct Session {
-  ClientHeartbeats heartbeats{heartbeat_period, true};
+  ClientHeartbeats heartbeats{heartbeat_period, ClientHeartbeats::Sent::InMemory, began};
   Duration other_work = Duration::max() / 2;  ///< such as to poll for the answers of open calls
   std::uint64_t sent = 0;
   TimePoint last{};
@@ -235,11 +235,16 @@ TEST(NextTick, ASessionWithoutOtherTasksKeepsItsPeriod) {
   EXPECT_GE(session.shortest, heartbeat_period);
 }
 
-TEST(NextTick, HeartbeatsThatArePacketsDoNotShift) {
-  ClientHeartbeats heartbeats(heartbeat_period, false);
-  EXPECT_TRUE(heartbeats.due(began));
-  EXPECT_FALSE(heartbeats.due(began + heartbeat_period - 1ns));
-  EXPECT_EQ(heartbeats.next_tick(TimePoint::max()).shift, Duration{});
+TEST(NextTick, HeartbeatsThatArePacketsAreSentAtTheSameTimesByAllSessions) {
+  for (const Duration opened : {0ms, 1ms, 60ms, 99ms, 100ms}) {
+    ClientHeartbeats heartbeats(heartbeat_period, ClientHeartbeats::Sent::AsPackets, began);
+    EXPECT_TRUE(heartbeats.due(began + opened)) << "a session says at once that it lives";
+    const Duration second = opened < 100ms ? 100ms : 200ms;
+    EXPECT_FALSE(heartbeats.due(began + second - 1ns));
+    EXPECT_TRUE(heartbeats.due(began + second + 7ms)) << "a tick may be late";
+    EXPECT_EQ(heartbeats.next(), began + second + 100ms);
+    EXPECT_EQ(heartbeats.next_tick(TimePoint::max()).shift, Duration{});
+  }
 }
 
 TEST(NextTick, TheNewestTargetTicksFirst) {

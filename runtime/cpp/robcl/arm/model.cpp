@@ -31,6 +31,21 @@ tl::unexpected<ModelError> refuse(const std::string& what) {
   return tl::unexpected(ModelError{what});
 }
 
+/// Separates the links of a robot when this object is destroyed. A link owns its children, so the
+/// links of a loop would own each other and never be freed.
+class SeparatedLinks {
+ public:
+  explicit SeparatedLinks(urdf::ModelInterfaceSharedPtr robot) : robot_(std::move(robot)) {}
+  ~SeparatedLinks() {
+    for (const auto& [name, link] : robot_->links_) link->child_links.clear();
+  }
+  SeparatedLinks(const SeparatedLinks&) = delete;
+  SeparatedLinks& operator=(const SeparatedLinks&) = delete;
+
+ private:
+  const urdf::ModelInterfaceSharedPtr robot_;
+};
+
 /// Returns an error in the joints of `robot` that the URDF parser does not find; nullopt if there
 /// is no error.
 std::optional<std::string> problem_of_joints(const urdf::ModelInterface& robot) {
@@ -104,6 +119,7 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
   }
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(xml);
   if (!robot) return refuse("the text is not a URDF robot; the parser printed the reason above");
+  const SeparatedLinks separated_at_the_end(robot);
   if (const auto problem = problem_of_joints(*robot)) return refuse(*problem);
   for (const std::string& link : {base_link, flange_link}) {
     if (!robot->getLink(link)) return refuse("the URDF has no link '" + link + "'");

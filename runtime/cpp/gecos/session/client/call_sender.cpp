@@ -79,6 +79,10 @@ tl::expected<void, media::SendProblem> CallSender::send(
     }
   }
   calls_.add(header.counter, command);
+  if (std::exchange(rests_, false)) {
+    hurry_.store(true, std::memory_order_relaxed);
+    runtime_.maintenance().hurry();
+  }
   return {};
 }
 
@@ -221,10 +225,16 @@ void CallSender::query_old_calls() {
 /// its outcome.
 TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
   const MutexLock lock(mutex_);
+  const bool called = std::exchange(issued_before_, calls_.issued()) != calls_.issued();
   // If no call is open, the maintenance thread sleeps until the next heartbeat, so that idle
-  // clients cause few wake-ups. Over a medium that loses packets, it sleeps at most one retry
-  // interval, because another thread may send a call meanwhile.
-  if (calls_.size() == 0) return repeats_ ? std::min(next_beat, now + retry_after(1)) : next_beat;
+  // clients cause few wake-ups. Over a medium that loses packets, the first call after such a rest
+  // must wake the thread, which may have to repeat the call. A client that was not idle calls again
+  // soon: the thread then sleeps for one retry interval, and no call has to wake it.
+  if (calls_.size() == 0) {
+    if (repeats_ && called) return std::min(next_beat, now + retry_after(1));
+    rests_ = repeats_;
+    return next_beat;
+  }
   if (!repeats_ && !cancels_waiting_) return std::min(next_beat, now + longest_sleep);
   const TimePoint soon = now + Maintenance::tick;
   cancels_waiting_ = false;

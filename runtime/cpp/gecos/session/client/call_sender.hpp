@@ -89,6 +89,8 @@ class CallSender {
   /// Returns the time at which this function must be called again. `next_beat`: the time of the
   /// next heartbeat.
   TimePoint repeat(TimePoint now, TimePoint next_beat);
+  /// Returns whether a call was sent for which `repeat` must be called at once, and forgets it.
+  bool take_hurry() { return hurry_.exchange(false, std::memory_order_relaxed); }
   /// Asks the server for the state of each call that was already open when this function ran last,
   /// because the reply may have been damaged in shared memory. Does nothing over a medium that
   /// loses packets, because `repeat` sends the calls again there.
@@ -135,7 +137,8 @@ class CallSender {
   const ServerWatch& server_;
   const bool repeats_;  ///< the medium may lose packets
   const std::shared_ptr<SeenFailures> failures_ = std::make_shared<SeenFailures>();
-  std::atomic<bool> lost_{false};  // publishes loss_
+  std::atomic<bool> lost_{false};   // publishes loss_
+  std::atomic<bool> hurry_{false};  // orders no other memory
 
   FutexMutex mutex_;
   OpenCalls calls_ GECOS_GUARDED_BY(mutex_);
@@ -148,6 +151,10 @@ class CallSender {
   Duration quickest_answer_ GECOS_GUARDED_BY(mutex_) = std::chrono::seconds(1);
   /// The counter of the newest call that had been issued when `query_old_calls` ran last.
   std::uint64_t open_when_asked_ GECOS_GUARDED_BY(mutex_) = 0;
+  /// How many calls had been issued when `repeat` ran last.
+  std::uint64_t issued_before_ GECOS_GUARDED_BY(mutex_) = 0;
+  /// Over a medium that loses packets: `repeat` does not run again before the next heartbeat.
+  bool rests_ GECOS_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace gecos::session

@@ -1,11 +1,18 @@
 #include "gecos/session/client/connection_maintenance.hpp"
 
+#include <algorithm>
 #include <cstdio>
+
+#include "gecos/session/protocol/retry.hpp"
 
 namespace gecos::session {
 
 ConnectionMaintenance::ConnectionMaintenance(const Runtime& runtime, Parts session)
-    : heartbeats_(runtime.options().heartbeat, session.connection.capabilities().reliable),
+    : packets_(!session.connection.capabilities().reliable),
+      period_(runtime.options().heartbeat),
+      heartbeats_(period_,
+                  packets_ ? ClientHeartbeats::Sent::AsPackets : ClientHeartbeats::Sent::InMemory,
+                  runtime.made()),
       session_(session) {}
 
 NextTick ConnectionMaintenance::on_tick(TimePoint now) {
@@ -20,7 +27,16 @@ NextTick ConnectionMaintenance::on_tick(TimePoint now) {
   if (!calls.lost() && !session_.server.unreachable()) judge_answers();
   if (!calls.lost()) session_.line.on_tick(now);
   if (calls.lost()) return TimePoint::max();
-  return heartbeats_.next_tick(session_.calls.repeat(now, heartbeats_.next()));
+  return heartbeats_.next_tick(next_work(now));
+}
+
+/// Repeats calls. Returns when the session needs a tick for anything but its own heartbeat.
+TimePoint ConnectionMaintenance::next_work(TimePoint now) {
+  const TimePoint next = session_.calls.repeat(now, heartbeats_.next());
+  // The heartbeat of a server that was silent for longer than its period is read soon after it has
+  // arrived, so that the silence counts no longer than it lasts.
+  const bool late = packets_ && session_.server.silent_for() > period_ * 3 / 2;
+  return late ? std::min(next, now + retry_after(1)) : next;
 }
 
 void ConnectionMaintenance::judge_heartbeats(TimePoint now) {

@@ -35,14 +35,18 @@ class ConnectionMaintenance final : public TickTarget {
   ConnectionMaintenance(const Runtime& runtime, Parts session);
 
   NextTick on_tick(TimePoint now) override;
+  bool take_hurry() override { return session_.calls.take_hurry(); }
   void watch(std::vector<pollfd>& into) override { session_.reader.watch(into); }
   void unwatch() override { session_.reader.unwatch(); }
 
  private:
   void judge_heartbeats(TimePoint now);
   void judge_answers();
+  TimePoint next_work(TimePoint now);
   std::string who() const;
 
+  const bool packets_;  ///< the medium may lose packets, and heartbeats are packets
+  const Duration period_;
   ClientHeartbeats heartbeats_;
   const Parts session_;
 };

@@ -29,14 +29,16 @@ struct Maintenance::Shared {
   std::vector<std::function<void()>> take_jobs();
   std::vector<std::shared_ptr<TickTarget>> look_at();
   bool judge_pause(const std::vector<std::shared_ptr<TickTarget>>& alive);
+  void tick_targets(const std::vector<std::shared_ptr<TickTarget>>& alive, bool all);
 
   const Clock& clock;
   PauseWatch pauses;
   const pid_t owner = getpid();
   EventFd event;
   std::thread thread;
-  std::atomic<bool> ended{false};  // asks the thread to end; orders no other memory
-  std::vector<Target> targets;     // used by the thread only
+  std::atomic<bool> ended{false};    // asks the thread to end; orders no other memory
+  std::atomic<bool> all_due{false};  // wake() was called; orders no other memory
+  std::vector<Target> targets;       // used by the thread only
   Mutex mutex;
   std::vector<std::weak_ptr<TickTarget>> added GECOS_GUARDED_BY(mutex);
   std::vector<std::function<void()>> jobs GECOS_GUARDED_BY(mutex);
@@ -77,25 +79,36 @@ bool Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarg
   return true;
 }
 
+/// Calls all targets, or only those whose ticks are due or that are in a hurry.
+void Maintenance::Shared::tick_targets(const std::vector<std::shared_ptr<TickTarget>>& alive,
+                                       bool all) {
+  const TimePoint now = clock.now();
+  const auto tick_one = [&](std::size_t at) { return alive[at]->on_tick(now); };
+  for (std::size_t at = 0; at < alive.size(); ++at) {
+    if (alive[at]->take_hurry()) targets[at].next = now;
+  }
+  if (all) {
+    tick_all(targets, tick_one);
+  } else {
+    tick_due(targets, now, tick_one);
+  }
+}
+
 void Maintenance::Shared::run() {
   std::vector<pollfd> descriptors;
-  bool woken = true;
+  bool packets = false;  // a watched descriptor has something to read
   for (;;) {
     // Drains the event before the checks, so that a notification that arrives during the checks is
     // not lost.
-    woken = event.drain() || woken;
+    event.drain();
+    const bool woken = all_due.exchange(false) || packets;
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();
     auto alive = look_at();
     note_suspension(clock);
-    woken = judge_pause(alive) || woken;
-    const TimePoint now = clock.now();
-    const auto tick_one = [&](std::size_t at) { return alive[at]->on_tick(now); };
-    if (std::exchange(woken, false)) {
-      tick_all(targets, tick_one);
-    } else {
-      tick_due(targets, now, tick_one);
-    }
+    const bool paused = judge_pause(alive);
+    tick_targets(alive, woken || paused);
+    packets = false;
     const TimePoint next = wake_at(targets);
 
     const bool idle = next == TimePoint::max();
@@ -110,8 +123,9 @@ void Maintenance::Shared::run() {
     // These references are dropped before the sleep, so that a target is destroyed at once when its
     // other owners drop it during the sleep.
     alive.clear();
-    woken = poll(descriptors.data(), descriptors.size(),
-                 idle ? -1 : static_cast<int>(rest.count())) > 0;
+    const int ready =
+        poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(rest.count()));
+    packets = ready > (descriptors.front().revents != 0 ? 1 : 0);
     for (const auto& one : watched) {
       if (const auto still = one.lock()) still->unwatch();
     }
@@ -148,7 +162,12 @@ void Maintenance::post(std::function<void()> job) {
   wake();
 }
 
-void Maintenance::wake() { shared_->event.notify(); }
+void Maintenance::wake() {
+  shared_->all_due = true;
+  shared_->event.notify();
+}
+
+void Maintenance::hurry() { shared_->event.notify(); }
 
 PauseWatch& Maintenance::pauses() { return shared_->pauses; }
 

@@ -18,9 +18,12 @@ class TickTarget {
   virtual ~TickTarget() = default;
   /// Called on the maintenance thread. Must not block and must not run a user's handler. Returns
   /// the time of the next tick (next_tick.hpp). The thread sleeps for at least `Maintenance::tick`.
-  /// If the thread is woken, the next tick of each target comes at once, whatever this function
+  /// After `Maintenance::wake` the next tick of each target comes at once, whatever this function
   /// returned.
   virtual NextTick on_tick(TimePoint now) = 0;
+  /// Returns whether this target needs a tick at once, and forgets the need. The thread calls this
+  /// function whenever it is awake.
+  virtual bool take_hurry() { return false; }
   /// Called before `on_tick` when this process was suspended for the time `stood_still`. No call
   /// starts before this function has returned.
   virtual void after_pause(Duration stood_still) { static_cast<void>(stood_still); }
@@ -50,6 +53,9 @@ class Maintenance {
   void post(std::function<void()> job);
   /// Makes the next tick of all targets due now.
   void wake();
+  /// Makes the next tick due now, but only of the targets whose `take_hurry` returns true. A
+  /// process may have a thousand targets.
+  void hurry();
   bool on_this_thread() const;
   /// Returns the object that detects from the ticks of this thread whether this process was
   /// suspended.

@@ -41,6 +41,8 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
 
   const LabOptions& options() const { return options_; }
   const Clock& clock() const { return clock_; }
+  /// Returns when this runtime was made.
+  TimePoint made() const { return made_; }
   Maintenance& maintenance() { return maintenance_; }
   Callbacks& callbacks() { return callbacks_; }
   /// Returns the time of silence after which a session ends. If a server was silent for this time,
@@ -69,6 +71,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
  private:
   const LabOptions options_;
   const Clock& clock_;
+  const TimePoint made_ = clock_.now();
   const media::WrapMedium wrap_;  ///< set by tests only; null: media are used unwrapped
   Mutex mutex_;
   std::map<media::Kind, std::unique_ptr<media::Medium>> media_ GECOS_GUARDED_BY(mutex_);

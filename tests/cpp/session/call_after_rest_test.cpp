@@ -1,0 +1,88 @@
+// An idle client over a medium that loses packets rests from heartbeat to heartbeat. The first call
+// after a rest is lost here: it must be repeated soon, not at the next heartbeat.
+#include <atomic>
+
+#include "bench.hpp"
+#include "gecos/binding.hpp"
+#include "gecos/media/layers/layer.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+
+/// What the test and the connections of its client know of each other.
+struct Line {
+  std::atomic<bool> loses_next{false};  ///< the next packet that the client sends is lost
+  std::atomic<std::uint64_t> beats{0};  ///< heartbeats of the server that the client has seen
+};
+
+class LosingConnection final : public gecos::media::ConnectionLayer {
+ public:
+  LosingConnection(std::unique_ptr<gecos::media::Connection> inner,
+                   const gecos::media::Capabilities& capabilities, std::shared_ptr<Line> line)
+      : ConnectionLayer(std::move(inner), capabilities), line_(std::move(line)) {}
+
+  tl::expected<std::uint64_t, gecos::media::SendProblem> send(gecos::ByteView head,
+                                                              gecos::ByteView body) override {
+    if (line_->loses_next.exchange(false)) return ++lost_;
+    return ConnectionLayer::send(head, body);
+  }
+  std::uint64_t beats_seen() override {
+    const std::uint64_t seen = ConnectionLayer::beats_seen();
+    line_->beats.store(seen);
+    return seen;
+  }
+
+ private:
+  const std::shared_ptr<Line> line_;
+  std::uint64_t lost_ = 0;
+};
+
+constexpr gecos::Duration heartbeat = 10s;
+
+/// A lab whose clients send a heartbeat every 10 s.
+gecos::Lab resting_lab(const std::shared_ptr<Line>& line) {
+  gecos::LabOptions options;
+  options.heartbeat = heartbeat;
+  options.lease_ttl = 4 * heartbeat;
+  const auto wrap = [line](std::unique_ptr<gecos::media::Medium> inner) {
+    const gecos::media::Capabilities same = inner->capabilities();
+    return gecos::media::make_layer(
+        std::move(inner), same,
+        [line](std::unique_ptr<gecos::media::Connection> connection,
+               const gecos::media::Capabilities& capabilities, gecos::media::Role) {
+          return std::make_unique<LosingConnection>(std::move(connection), capabilities, line);
+        });
+  };
+  return gecos::session::LabAccess::with_media(options, wrap);
+}
+
+class CallAfterARest : public probe::Bench {
+ protected:
+  CallAfterARest() : Bench(gecos::media::Kind::Lcm) {}
+
+  void SetUp() override {
+    Bench::SetUp();
+    serve("PROBE", servant_);
+  }
+
+  const std::shared_ptr<Line> line_ = std::make_shared<Line>();
+  gecos::Lab resting_lab_ = resting_lab(line_);
+};
+
+TEST_F(CallAfterARest, IsRepeatedLongBeforeTheNextHeartbeat) {
+  const auto probe = connect(resting_lab_);
+  for (int time = 0; time < 3; ++time) {
+    const std::uint64_t seen = line_->beats.load();
+    ASSERT_TRUE(gecos::ping(probe).get());
+    // Without an open call, the client rests when it has seen a heartbeat of the server.
+    ASSERT_TRUE(settles([&] { return line_->beats.load() > seen; }));
+    line_->loses_next.store(true);
+    const auto began = std::chrono::steady_clock::now();
+    ASSERT_TRUE(gecos::ping(probe).get());
+    EXPECT_LT(std::chrono::steady_clock::now() - began, heartbeat / 2);
+    EXPECT_FALSE(line_->loses_next.load());
+  }
+}
+
+}  // namespace
