@@ -78,8 +78,8 @@ CHILDREN = {
 }
 
 TRIES = 5
-"""A busy machine may let a program stand still for more than 500 ms: then the server ends the
-command that runs, as it must. Such a try shows nothing about forks."""
+"""A busy machine may let the server of this test, or the program, stand still for more than 500 ms.
+Then the running command ends, as it must: such a try shows nothing about forks."""
 
 
 @pytest.mark.parametrize("child", CHILDREN)

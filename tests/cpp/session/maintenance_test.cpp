@@ -30,8 +30,8 @@ class CountedTarget final : public TickTarget {
     ticked_.notify_all();
     return now + period_;
   }
-  bool take_hurry() override { return hurries_.exchange(false); }
-  void be_in_a_hurry() { hurries_ = true; }
+  bool take_tick_request() override { return requested_.exchange(false); }
+  void request_tick() { requested_ = true; }
   void await_ticks(int count) {
     std::unique_lock lock(mutex_);
     ASSERT_TRUE(ticked_.wait_for(lock, std::chrono::seconds(30), [&] { return ticks_ >= count; }));
@@ -43,7 +43,7 @@ class CountedTarget final : public TickTarget {
 
  private:
   const Duration period_;
-  std::atomic<bool> hurries_{false};
+  std::atomic<bool> requested_{false};
   std::mutex mutex_;
   std::condition_variable ticked_;
   int ticks_ = 0;
@@ -64,21 +64,21 @@ TEST(Maintenance, CallsATargetOnlyWhenItsTickIsDueOrTheThreadIsWoken) {
   rarely->await_ticks(woken + 1);
 }
 
-TEST(Maintenance, CallsOnlyTheTargetThatIsInAHurry) {
+TEST(Maintenance, CallsOnlyTheTargetThatHasRequestedATick) {
   Maintenance maintenance(system_clock());
-  const auto hurried = std::make_shared<CountedTarget>(std::chrono::hours(1));
+  const auto requester = std::make_shared<CountedTarget>(std::chrono::hours(1));
   const auto other = std::make_shared<CountedTarget>(std::chrono::hours(1));
-  maintenance.add(hurried);
+  maintenance.add(requester);
   maintenance.add(other);  // the newer target ticks first
-  hurried->await_ticks(1);
+  requester->await_ticks(1);
   other->await_ticks(1);
   for (int time = 0; time < 5; ++time) {
-    const int before = hurried->ticks();
+    const int before = requester->ticks();
     const int others = other->ticks();
-    hurried->be_in_a_hurry();
-    maintenance.hurry();
-    hurried->await_ticks(before + 1);
-    // add() wakes the thread, perhaps for the first hurry only.
+    requester->request_tick();
+    maintenance.wake_requesters();
+    requester->await_ticks(before + 1);
+    // add() wakes the thread, at the latest with the first request.
     if (time > 0) EXPECT_EQ(other->ticks(), others);
   }
 }

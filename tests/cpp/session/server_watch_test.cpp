@@ -40,6 +40,16 @@ TEST_F(ServerWatchTest, ASilentServerIsUnreachableAndThenDead) {
   EXPECT_EQ(watch.silent_for(), 2800ms);
 }
 
+TEST_F(ServerWatchTest, LooksOftenForThePacketsOfASilentServer) {
+  EXPECT_EQ(after(150ms), Verdict::Quiet);
+  EXPECT_EQ(watch.next_look(clock.now()), TimePoint::max());
+  EXPECT_EQ(after(1ns), Verdict::Quiet);
+  EXPECT_EQ(watch.next_look(clock.now()), clock.now() + 20ms);
+  ++heartbeats;
+  EXPECT_EQ(after(10ms), Verdict::Alive);
+  EXPECT_EQ(watch.next_look(clock.now()), TimePoint::max());
+}
+
 TEST_F(ServerWatchTest, AHeartbeatMakesTheServerReachableAgain) {
   EXPECT_EQ(after(900ms), Verdict::Suspect);
   ++heartbeats;

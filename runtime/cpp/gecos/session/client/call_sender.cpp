@@ -80,8 +80,8 @@ tl::expected<void, media::SendProblem> CallSender::send(
   }
   calls_.add(header.counter, command);
   if (std::exchange(rests_, false)) {
-    hurry_.store(true, std::memory_order_relaxed);
-    runtime_.maintenance().hurry();
+    tick_requested_.store(true, std::memory_order_relaxed);
+    runtime_.maintenance().wake_requesters();
   }
   return {};
 }
@@ -228,8 +228,9 @@ TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
   const bool called = std::exchange(issued_before_, calls_.issued()) != calls_.issued();
   // If no call is open, the maintenance thread sleeps until the next heartbeat, so that idle
   // clients cause few wake-ups. Over a medium that loses packets, the first call after such a rest
-  // must wake the thread, which may have to repeat the call. A client that was not idle calls again
-  // soon: the thread then sleeps for one retry interval, and no call has to wake it.
+  // must wake the thread, which may have to repeat the call. A client that has called since the
+  // last tick probably calls again soon: the thread then sleeps for one retry interval, and no call
+  // has to wake it.
   if (calls_.size() == 0) {
     if (repeats_ && called) return std::min(next_beat, now + retry_after(1));
     rests_ = repeats_;

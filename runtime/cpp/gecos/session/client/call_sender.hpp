@@ -87,10 +87,15 @@ class CallSender {
   /// Over a medium that loses packets, repeats each open call when the time of its next repetition
   /// has come. Over any medium, sends each Cancel packet again for which there was no room before.
   /// Returns the time at which this function must be called again. `next_beat`: the time of the
-  /// next heartbeat.
+  /// next heartbeat. If no call is open, the returned time may be `next_beat`; the next `send` then
+  /// asks for a tick (`take_tick_request`).
   TimePoint repeat(TimePoint now, TimePoint next_beat);
-  /// Returns whether a call was sent for which `repeat` must be called at once, and forgets it.
-  bool take_hurry() { return hurry_.exchange(false, std::memory_order_relaxed); }
+  /// Returns whether a call was sent after which `repeat` must be called at once, and clears the
+  /// request.
+  bool take_tick_request() {
+    return tick_requested_.load(std::memory_order_relaxed) &&
+           tick_requested_.exchange(false, std::memory_order_relaxed);
+  }
   /// Asks the server for the state of each call that was already open when this function ran last,
   /// because the reply may have been damaged in shared memory. Does nothing over a medium that
   /// loses packets, because `repeat` sends the calls again there.
@@ -137,8 +142,8 @@ class CallSender {
   const ServerWatch& server_;
   const bool repeats_;  ///< the medium may lose packets
   const std::shared_ptr<SeenFailures> failures_ = std::make_shared<SeenFailures>();
-  std::atomic<bool> lost_{false};   // publishes loss_
-  std::atomic<bool> hurry_{false};  // orders no other memory
+  std::atomic<bool> lost_{false};            // publishes loss_
+  std::atomic<bool> tick_requested_{false};  // orders no other memory
 
   FutexMutex mutex_;
   OpenCalls calls_ GECOS_GUARDED_BY(mutex_);
@@ -153,7 +158,9 @@ class CallSender {
   std::uint64_t open_when_asked_ GECOS_GUARDED_BY(mutex_) = 0;
   /// How many calls had been issued when `repeat` ran last.
   std::uint64_t issued_before_ GECOS_GUARDED_BY(mutex_) = 0;
-  /// Over a medium that loses packets: `repeat` does not run again before the next heartbeat.
+  /// True while no call is open and `repeat` has asked for no tick before the next heartbeat: the
+  /// next call must then wake the maintenance thread. Always false over a medium that loses no
+  /// packets.
   bool rests_ GECOS_GUARDED_BY(mutex_) = false;
 };
 

@@ -40,7 +40,7 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
       reader_(*runtime_, *connection_, calls_, receiver_, end_),
       line_(*this),
       maintenance_(*runtime_, {*connection_, welcome_, server_, calls_, receiver_, reader_,
-                               failover_, end_, line_}),
+                               failover_, end_, line_, subscriptions_}),
       subscriptions_(*this),
       writers_(id, leases_) {
   if (!log_enabled(LogLevel::Info)) return;

@@ -8,28 +8,29 @@
 
 namespace gecos::session {
 
-/// Says when a client sends its heartbeats. The sessions of a process share ticks, to save
-/// wake-ups. In shared memory, a heartbeat may shift by up to 10 ms towards other work of the
-/// process. Where heartbeats are packets, which wake the server as well, all sessions of the
-/// process send theirs at the same times. Reads no clock. Not thread-safe.
+/// Says when a client sends its heartbeats. In shared memory, a heartbeat may shift by up to 10 ms,
+/// so that it shares a tick with other work. Over a medium that sends heartbeats as packets, the
+/// sessions of a Lab send theirs in the same tick: a packet wakes the server too, and the packets
+/// of one tick wake it once. Reads no clock. Not thread-safe.
 class ClientHeartbeats {
  public:
   static constexpr Duration longest_shift = std::chrono::milliseconds(10);
 
   enum class Sent : std::uint8_t { InMemory, AsPackets };
 
-  /// `origin`: heartbeats that are packets are sent a multiple of `period` after this time, which
-  /// is the same for all sessions of a process.
+  /// `origin`: after the first heartbeat, which is sent at once, heartbeats that are packets are
+  /// due at multiples of `period` after `origin` (Runtime::heartbeat_origin).
   ClientHeartbeats(Duration period, Sent sent, TimePoint origin)
-      : period_(period),
+      : sent_(sent),
+        period_(std::max(period, Duration{1})),
         shift_(sent == Sent::InMemory ? std::min(longest_shift, period / 10) : Duration{}),
         origin_(origin) {}
 
   /// Returns whether the client must send a heartbeat at the tick of the time `now`.
   bool due(TimePoint now) {
     if (now + 2 * shift_ < next_) return false;  // NextTick::shift explains the factor 2
-    const bool in_step = shift_ == Duration{};
-    next_ = in_step ? now + period_ - (now - origin_) % period_ : now + period_;
+    const Duration since_due = sent_ == Sent::AsPackets ? (now - origin_) % period_ : Duration{};
+    next_ = now + period_ - since_due;
     return true;
   }
   TimePoint next() const { return next_; }
@@ -40,6 +41,7 @@ class ClientHeartbeats {
   }
 
  private:
+  const Sent sent_;
   const Duration period_;
   const Duration shift_;
   const TimePoint origin_;

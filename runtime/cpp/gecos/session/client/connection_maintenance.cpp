@@ -7,12 +7,11 @@
 
 namespace gecos::session {
 
-ConnectionMaintenance::ConnectionMaintenance(const Runtime& runtime, Parts session)
-    : packets_(!session.connection.capabilities().reliable),
-      period_(runtime.options().heartbeat),
-      heartbeats_(period_,
-                  packets_ ? ClientHeartbeats::Sent::AsPackets : ClientHeartbeats::Sent::InMemory,
-                  runtime.made()),
+ConnectionMaintenance::ConnectionMaintenance(Runtime& runtime, Parts session)
+    : reliable_(session.connection.capabilities().reliable),
+      heartbeats_(runtime.options().heartbeat,
+                  reliable_ ? ClientHeartbeats::Sent::InMemory : ClientHeartbeats::Sent::AsPackets,
+                  reliable_ ? TimePoint{} : runtime.heartbeat_origin()),
       session_(session) {}
 
 NextTick ConnectionMaintenance::on_tick(TimePoint now) {
@@ -33,10 +32,11 @@ NextTick ConnectionMaintenance::on_tick(TimePoint now) {
 /// Repeats calls. Returns when the session needs a tick for anything but its own heartbeat.
 TimePoint ConnectionMaintenance::next_work(TimePoint now) {
   const TimePoint next = session_.calls.repeat(now, heartbeats_.next());
-  // The heartbeat of a server that was silent for longer than its period is read soon after it has
-  // arrived, so that the silence counts no longer than it lasts.
-  const bool late = packets_ && session_.server.silent_for() > period_ * 3 / 2;
-  return late ? std::min(next, now + retry_after(1)) : next;
+  if (reliable_) return next;
+  // A program that only calls `latest()` of a stream does not read the packets that announce a new
+  // key of the stream.
+  if (session_.subscriptions.any()) return std::min(next, now + retry_after(1));
+  return std::min(next, session_.server.next_look(now));
 }
 
 void ConnectionMaintenance::judge_heartbeats(TimePoint now) {

@@ -10,6 +10,7 @@
 #include "gecos/session/client/server_watch.hpp"
 #include "gecos/session/client/session_end.hpp"
 #include "gecos/session/client/session_failover.hpp"
+#include "gecos/session/client/subscriptions.hpp"
 #include "gecos/session/process/maintenance.hpp"
 #include "gecos/session/process/runtime.hpp"
 
@@ -31,11 +32,12 @@ class ConnectionMaintenance final : public TickTarget {
     SessionFailover& failover;
     SessionEnd& end;
     LineProbe& line;
+    const Subscriptions& subscriptions;
   };
-  ConnectionMaintenance(const Runtime& runtime, Parts session);
+  ConnectionMaintenance(Runtime& runtime, Parts session);
 
   NextTick on_tick(TimePoint now) override;
-  bool take_hurry() override { return session_.calls.take_hurry(); }
+  bool take_tick_request() override { return session_.calls.take_tick_request(); }
   void watch(std::vector<pollfd>& into) override { session_.reader.watch(into); }
   void unwatch() override { session_.reader.unwatch(); }
 
@@ -45,8 +47,7 @@ class ConnectionMaintenance final : public TickTarget {
   TimePoint next_work(TimePoint now);
   std::string who() const;
 
-  const bool packets_;  ///< the medium may lose packets, and heartbeats are packets
-  const Duration period_;
+  const bool reliable_;  ///< the medium loses no packets, and sends none for a heartbeat
   ClientHeartbeats heartbeats_;
   const Parts session_;
 };

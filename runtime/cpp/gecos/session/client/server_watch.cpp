@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "gecos/session/protocol/retry.hpp"
+
 namespace gecos::session {
 namespace {
 
@@ -18,6 +20,7 @@ PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
 
 ServerWatch::ServerWatch(const LabOptions& options, const Clock& clock)
     : clock_(clock),
+      longest_gap_(options.heartbeat * 3 / 2),
       // The clock counts at most `lease_ttl` of the time between two checks, because a longer time
       // means that this process did not run. A lower limit would delay the detection of a dead
       // server on a busy machine. A lower limit is not necessary either, because all packets that
@@ -35,6 +38,10 @@ PeerLiveness::Verdict ServerWatch::judge_heartbeats(std::uint64_t heartbeats, Ti
   if (silent && !unreachable()) silent_since_.store(clock_.now(), std::memory_order_relaxed);
   unreachable_.store(silent, std::memory_order_relaxed);
   return verdict;
+}
+
+TimePoint ServerWatch::next_look(TimePoint now) const {
+  return silent_for() > longest_gap_ ? now + retry_after(1) : TimePoint::max();
 }
 
 }  // namespace gecos::session

@@ -29,6 +29,12 @@ class ServerWatch {
   /// Returns the time since the last heartbeat.
   Duration silent_for() const { return liveness_.silent_for(liveness_clock_.now()); }
 
+  /// Over a medium that sends heartbeats as packets: returns by when the maintenance thread must
+  /// look for a packet of the server at the latest. Every `retry_after(1)` while no packet was read
+  /// for one and a half heartbeat periods; otherwise a session that ticks once in a period would
+  /// notice up to one period late that the server is unreachable, or that it sends again.
+  TimePoint next_look(TimePoint now) const;
+
   /// Judges whether the server still answers. The judgement is made for the time of the last call
   /// of `judge_heartbeats`. `packets`: number of packets received so far.
   AnswerWatch::Verdict judge_answers(bool calls_are_open, std::uint64_t packets) {
@@ -40,6 +46,7 @@ class ServerWatch {
 
  private:
   const Clock& clock_;
+  const Duration longest_gap_;        ///< between two packets of a server that sends regularly
   SuspendAwareClock liveness_clock_;  ///< measures how long the server is silent
   PeerLiveness liveness_;
   AnswerWatch answers_;

@@ -14,6 +14,7 @@ tl::expected<std::shared_ptr<ClientStream>, Failure> Subscriptions::subscribe(
   {
     const MutexLock lock(mutex_);
     ++counts_[stream.code];
+    streams_.store(counts_.size(), std::memory_order_relaxed);
     command = own_call(session_, GecosObjectInterface::subscribe,
                        GecosObject_subscribe_arguments{number(stream.code)});
   }
@@ -72,6 +73,7 @@ void Subscriptions::unsubscribe(FunctionCode stream) {
   const auto found = counts_.find(stream);
   if (--found->second != 0) return;
   counts_.erase(found);
+  streams_.store(counts_.size(), std::memory_order_relaxed);
   if (session_.lost()) return;
   own_call(session_, GecosObjectInterface::unsubscribe,
            GecosObject_unsubscribe_arguments{number(stream)})

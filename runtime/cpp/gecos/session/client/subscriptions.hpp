@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -22,6 +23,8 @@ class Subscriptions {
   /// ClientStream.
   tl::expected<std::shared_ptr<ClientStream>, Failure> subscribe(
       const StreamDescription& stream, const ClientStream* earlier = nullptr);
+  /// Returns whether the session is subscribed to a stream. Never blocks.
+  bool any() const { return streams_.load(std::memory_order_relaxed) != 0; }
   /// Ends one subscription to `stream`. Never blocks.
   void unsubscribe(FunctionCode stream);
 
@@ -36,6 +39,7 @@ class Subscriptions {
   Mutex mutex_;
   /// The number of subscriptions of each stream.
   std::map<FunctionCode, std::size_t> counts_ GECOS_GUARDED_BY(mutex_);
+  std::atomic<std::size_t> streams_{0};  // number of entries of counts_; orders no other memory
 };
 
 }  // namespace gecos::session

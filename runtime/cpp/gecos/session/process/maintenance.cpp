@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <string>
 #include <thread>
 #include <utility>
@@ -29,7 +30,8 @@ struct Maintenance::Shared {
   std::vector<std::function<void()>> take_jobs();
   std::vector<std::shared_ptr<TickTarget>> look_at();
   bool judge_pause(const std::vector<std::shared_ptr<TickTarget>>& alive);
-  void tick_targets(const std::vector<std::shared_ptr<TickTarget>>& alive, bool all);
+  enum class Which : std::uint8_t { All, Due };
+  void tick_targets(const std::vector<std::shared_ptr<TickTarget>>& alive, Which which);
 
   const Clock& clock;
   PauseWatch pauses;
@@ -79,15 +81,15 @@ bool Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarg
   return true;
 }
 
-/// Calls all targets, or only those whose ticks are due or that are in a hurry.
+/// Calls all targets, or only those that have asked for a tick or whose ticks are due.
 void Maintenance::Shared::tick_targets(const std::vector<std::shared_ptr<TickTarget>>& alive,
-                                       bool all) {
+                                       Which which) {
   const TimePoint now = clock.now();
   const auto tick_one = [&](std::size_t at) { return alive[at]->on_tick(now); };
   for (std::size_t at = 0; at < alive.size(); ++at) {
-    if (alive[at]->take_hurry()) targets[at].next = now;
+    if (alive[at]->take_tick_request()) targets[at].next = now;
   }
-  if (all) {
+  if (which == Which::All) {
     tick_all(targets, tick_one);
   } else {
     tick_due(targets, now, tick_one);
@@ -96,19 +98,19 @@ void Maintenance::Shared::tick_targets(const std::vector<std::shared_ptr<TickTar
 
 void Maintenance::Shared::run() {
   std::vector<pollfd> descriptors;
-  bool packets = false;  // a watched descriptor has something to read
+  bool descriptor_ready = false;
   for (;;) {
     // Drains the event before the checks, so that a notification that arrives during the checks is
     // not lost.
     event.drain();
-    const bool woken = all_due.exchange(false) || packets;
+    const bool woken = all_due.exchange(false) || descriptor_ready;
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();
     auto alive = look_at();
     note_suspension(clock);
     const bool paused = judge_pause(alive);
-    tick_targets(alive, woken || paused);
-    packets = false;
+    tick_targets(alive, woken || paused ? Which::All : Which::Due);
+    descriptor_ready = false;
     const TimePoint next = wake_at(targets);
 
     const bool idle = next == TimePoint::max();
@@ -125,7 +127,7 @@ void Maintenance::Shared::run() {
     alive.clear();
     const int ready =
         poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(rest.count()));
-    packets = ready > (descriptors.front().revents != 0 ? 1 : 0);
+    descriptor_ready = ready > (descriptors.front().revents != 0 ? 1 : 0);
     for (const auto& one : watched) {
       if (const auto still = one.lock()) still->unwatch();
     }
@@ -167,7 +169,7 @@ void Maintenance::wake() {
   shared_->event.notify();
 }
 
-void Maintenance::hurry() { shared_->event.notify(); }
+void Maintenance::wake_requesters() { shared_->event.notify(); }
 
 PauseWatch& Maintenance::pauses() { return shared_->pauses; }
 

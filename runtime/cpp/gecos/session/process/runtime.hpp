@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <optional>
@@ -41,8 +43,12 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
 
   const LabOptions& options() const { return options_; }
   const Clock& clock() const { return clock_; }
-  /// Returns when this runtime was made.
-  TimePoint made() const { return made_; }
+  /// Returns the origin of the heartbeats of a new session that sends them as packets. The first
+  /// `heartbeats_in_step` sessions have the same origin, so that one wake-up sends all their
+  /// heartbeats. The next ones have another one, so that many sessions with one object do not fill
+  /// its receive buffer at the same moment.
+  TimePoint heartbeat_origin();
+  static constexpr std::size_t heartbeats_in_step = 64;
   Maintenance& maintenance() { return maintenance_; }
   Callbacks& callbacks() { return callbacks_; }
   /// Returns the time of silence after which a session ends. If a server was silent for this time,
@@ -72,6 +78,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   const LabOptions options_;
   const Clock& clock_;
   const TimePoint made_ = clock_.now();
+  std::atomic<std::size_t> sessions_in_packets_{0};  // orders no other memory
   const media::WrapMedium wrap_;  ///< set by tests only; null: media are used unwrapped
   Mutex mutex_;
   std::map<media::Kind, std::unique_ptr<media::Medium>> media_ GECOS_GUARDED_BY(mutex_);
