@@ -76,6 +76,14 @@ def test_a_request_that_was_only_counted_is_found(folder: Path, run: Run) -> Non
     assert run("why", "a-b-11")[0] == 1
 
 
+def test_a_session_whose_number_contains_another_one_is_another_session(
+    folder: Path, run: Run
+) -> None:
+    write(folder, "audit.jsonl", command("fa-b1-2", last_request="fa-b1-10", count=9))
+    assert run("why", "a-b1-c")[0] == 1
+    assert run("why", "fa-b1-c")[0] == 0
+
+
 def test_a_request_of_which_nothing_is_known_names_the_folder(folder: Path, run: Run) -> None:
     code, _, err = run("why", "1a2b-3c4d-7")
     assert code == 1

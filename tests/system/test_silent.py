@@ -23,6 +23,12 @@ with gecos.Server(gecos.Lab()) as server:
     print("serving RAIL", flush=True)
     input()
 """
+CREATE = """
+import gecos
+from lab.rail_sensor import RailSensor
+try: gecos.Lab().create(RailSensor, "RAIL")
+except gecos.CreateError as error: print(error)
+"""
 SINCE_WITHIN_S = 1.0
 """How exactly the broker knows since when a server is silent: it stands still between two
 heartbeats, and the broker notices it at its own pace."""
@@ -65,6 +71,13 @@ def test_a_server_that_stands_still_is_silent_and_comes_back(
         (line,) = done.lines
         assert line.startswith("gecos: RAIL: NO_SERVER: its server, ")
         assert f"pid {server.pid}, is silent since" in line and SILENT.search(line)
+    done = lab.run(sys.executable, "-c", CREATE)
+    assert done.finish() == 0, str(done)
+    assert re.search(
+        rf"NO_SERVER: the server of RAIL, \S+ pid {server.pid}, has been silent for \d+\.\d s;"
+        " continue it, or end it and start it again",
+        done.output(),
+    ), str(done)
 
     server.signal(signal.SIGCONT)
     until(lambda: rail(lab)["answers"], "it is back")

@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <exception>
+#include <map>
 #include <typeinfo>
+#include <utility>
 
 #include "gecos/wire/check.hpp"
 
@@ -45,6 +47,41 @@ void with_encoded(std::size_t size, FunctionRef<void(wire::Encoder&)> encode, Us
   encode(to);
   use(ByteView(bytes.data(), to.written()));
 }
+
+/// Logs the samples of this process that are not published, because their values are out of range
+/// or too large. A loop may try a thousand of them in a second, so that each stream has at most
+/// ten lines of the log in a second. Thread-safe.
+class UnpublishedSamples {
+ public:
+  void log(std::string_view stream, const std::string& why) {
+    const MutexLock lock(mutex_);
+    Lines& lines = streams_[std::string(stream)];
+    const TimePoint now = system_clock().now();
+    if (now >= lines.began + std::chrono::seconds(1)) {
+      lines.began = now;
+      lines.count = 0;
+    }
+    if (++lines.count > most_lines) {
+      ++lines.left_out;
+      return;
+    }
+    std::string line = "not published: " + why;
+    if (const auto others = std::exchange(lines.left_out, 0); others != 0) {
+      line += "; nor were " + std::to_string(others) + " samples before, which have no line";
+    }
+    log_error(stream, line);
+  }
+
+ private:
+  static constexpr int most_lines = 10;
+  struct Lines {
+    TimePoint began{};  ///< of the second in which `count` lines were wanted
+    int count = 0;
+    std::uint64_t left_out = 0;
+  };
+  Mutex mutex_;
+  std::map<std::string, Lines> streams_ GECOS_GUARDED_BY(mutex_);
+};
 
 }  // namespace
 
@@ -237,7 +274,8 @@ Loan Servant::gecos_lent(std::string_view name, tl::expected<Loan, std::string> 
 }
 
 void Servant::gecos_not_published(std::string_view name, const std::string& why) {
-  log_error(name, "not published: " + why);
+  static UnpublishedSamples samples;
+  samples.log(name, why);
 }
 
 std::int64_t unix_now_ns() {

@@ -234,6 +234,13 @@ TEST_P(Images, ThatDoNotFitAreRefused) {
   EXPECT_TRUE(camera_.lend_picture({}, 10)) << "a refused loan has ended";
 }
 
+TEST_P(Images, ThatDoNotFitFillNoLog) {
+  ::testing::internal::CaptureStderr();
+  for (int time = 0; time < 1000; ++time) EXPECT_FALSE(camera_.lend_picture({}, 50'001));
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_LT(std::ranges::count(log, '\n'), 100);
+}
+
 TEST_P(Images, OfASequenceWithoutABoundAreReadOverEachMedium) {
   auto opened = proxy_.raw(gecos::stream);
   ASSERT_TRUE(opened) << opened.error();

@@ -222,7 +222,9 @@ def _arguments(words: tuple[str, ...]) -> dict[str, Any]:
         name, equals, value = word.partition("=")
         if not equals or not name:
             raise click.BadParameter(
-                f"{word!r} is neither a JSON object nor PARAMETER=VALUE", param_hint="arguments"
+                f"{word!r} is neither a JSON object nor PARAMETER=VALUE; 'gecos describe NAME' "
+                "shows the parameters",
+                param_hint="arguments",
             )
         if name in found:
             raise click.BadParameter(f"{name} is given twice", param_hint="arguments")

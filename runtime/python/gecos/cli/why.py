@@ -87,8 +87,8 @@ def lines_about(folder: Path, request: _Request) -> list[dict[str, Any]]:
 def _counts(line: dict[str, Any], request: _Request) -> bool:
     if "last_request" not in line:
         return False
-    first, last = (_Request.of(line[end]).counter for end in ("request", "last_request"))
-    return first <= request.counter <= last
+    first, last = (_Request.of(line[end]) for end in ("request", "last_request"))
+    return first.session == request.session and first.counter <= request.counter <= last.counter
 
 
 def _lines(folder: Path, part: str) -> Iterator[dict[str, Any]]:

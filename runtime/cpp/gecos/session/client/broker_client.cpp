@@ -1,6 +1,7 @@
 #include "gecos/session/client/broker_client.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "gecos/base/seconds.hpp"
 #include "gecos/broker_calls.hpp"      // generated from idl/gecos/broker.gidl
@@ -43,6 +44,16 @@ bool is_older(const CommandCore& asked) {
   return asked.progress().detail == Detail::UnknownOperation;
 }
 
+/// Returns why no proxy can be created for `object`, and what to do.
+std::string silence_of(const SilentObject& object) {
+  char seconds[32];
+  std::snprintf(seconds, sizeof seconds, "%.1f s", object.silent_for);
+  const Entry& entry = object.entry;
+  return "the server of " + entry.name + ", " + entry.user + "@" + entry.hostname + " pid " +
+         std::to_string(entry.pid) + ", has been silent for " + seconds +
+         "; continue it, or end it and start it again";
+}
+
 }  // namespace
 
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name,
@@ -60,6 +71,9 @@ tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name,
   }
   const Failure& failure = command->failure();
   if (const auto unknown = failure.as<UnknownName>()) {
+    if (const auto silent = look_up_silent(lab, name, deadline)) {
+      return tl::unexpected(silence_of(*silent));
+    }
     return tl::unexpected("no object is called " + name + "; " + advice(unknown->known));
   }
   return tl::unexpected("the broker did not answer: " + failure.text);
