@@ -56,7 +56,7 @@ class UnpublishedSamples {
   void log(std::string_view stream, const std::string& why) {
     const MutexLock lock(mutex_);
     Lines& lines = streams_[std::string(stream)];
-    const TimePoint now = system_clock().now();
+    const TimePoint now(std::chrono::steady_clock::now());
     if (now >= lines.began + std::chrono::seconds(1)) {
       lines.began = now;
       lines.count = 0;
