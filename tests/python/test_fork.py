@@ -21,7 +21,7 @@ def refused(what):
 
 PARENT = (
     """
-import gecos, os, sys, threading, warnings
+import asyncio, gecos, os, sys, threading, warnings
 from lamp import Lamp, PlainLamp
 
 # From Python 3.12 on every fork of a process with threads warns.
@@ -73,6 +73,7 @@ CHILDREN = {
     "drops": "del lease, stream, server, lab, mine, lamp, burning",
     "asks": "[refused(what) for what in (lamp.label, burning.wait, stream.next, stream.latest, "
     "lambda: lab.create(Lamp, 'LAMP'), lambda: server.add('X', PlainLamp()), "
+    "lambda: burning.add_done_callback(print), lambda: asyncio.run(asyncio.wait_for(burning, 9)), "
     "lambda: gecos.actor(lamp), lambda: gecos.stop(lamp))]",
     "makes its own": "assert gecos.Lab().create(Lamp, 'LAMP').label().result(30) == 'a lamp'",
 }

@@ -244,8 +244,8 @@ class Stream {
   /// stream is lost(). With `@qos(liveliness=MANUAL)`, also returns false from a missed deadline
   /// until the next sample.
   bool alive() const { return core_->alive(); }
-  /// Returns the counts of the samples since the subscription: how many were read, lost or
-  /// withheld. Any thread may call this function.
+  /// Returns the counts of the samples since the first one that was read: how many were read, lost
+  /// or withheld. Any thread may call this function.
   qos::StreamCounts counts() const { return core_->counts(); }
   /// Returns whether the samples are the occurrences of an event.
   bool is_event() const { return core_->after().has_value(); }

@@ -532,7 +532,7 @@ void bind_client(nb::module_& module) {
              return as_tuple(c.core().failure());
            })
       .def("peek_failure", [](const CommandHandle& c) { return as_tuple(c.core().failure()); })
-      .def("descriptor", [](const CommandHandle& c) { return c.core().descriptor(); });
+      .def("descriptor", [](const CommandHandle& c) { return c.awaited().descriptor(); });
 
   nb::class_<StreamHandle>(module, "Stream")
       .def_prop_ro("after", [](const StreamHandle& self) { return self.get()->after(); })

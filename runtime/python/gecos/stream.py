@@ -238,8 +238,8 @@ class Stream(Generic[T]):
 
     @property
     def counts(self) -> StreamCounts:
-        """The counts of the samples since the subscription. Any thread may read this property, even
-        after `close()`."""
+        """The counts of the samples since the first one that was read. Any thread may read this
+        property, even after `close()`."""
         return StreamCounts(*self._core.counts())
 
     @property

@@ -162,7 +162,7 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
                     "<joint name='2' type='fixed'><parent link='c'/><child link='b'/></joint>"
                     "</robot>",
                     "a", "c"),
-            "link 'c' is not a descendant of link 'a'");
+            "link 'b' cannot be reached from the root link 'a': the joints above it form a loop");
   const auto missing = ArmModel::from_urdf_file("/nowhere/x.urdf", "a", "b", 0.25);
   EXPECT_EQ(missing.error().text, "/nowhere/x.urdf: cannot be read");
 }

@@ -70,6 +70,15 @@ class CallAfterARest : public probe::Bench {
     serve("PROBE", servant_);
   }
 
+  /// Returns when the client of `probe` rests.
+  void await_rest(const probe::Probe& probe) {
+    const int before = line_->looks.load();
+    ASSERT_TRUE(gecos::ping(probe).get());
+    // After a call come two ticks at least. The last one finds no open call, and no call that is
+    // newer than the tick before: the client rests.
+    ASSERT_TRUE(settles([&] { return line_->looks.load() >= before + 2; }));
+  }
+
   const std::shared_ptr<Line> line_ = std::make_shared<Line>();
   gecos::Lab resting_lab_ = resting_lab(line_);
 };
@@ -77,17 +86,22 @@ class CallAfterARest : public probe::Bench {
 TEST_F(CallAfterARest, IsRepeatedLongBeforeTheNextHeartbeat) {
   const auto probe = connect(resting_lab_);
   for (int time = 0; time < 20; ++time) {
-    const int before = line_->looks.load();
-    ASSERT_TRUE(gecos::ping(probe).get());
-    // After a call come two ticks at least. The last one finds no open call, and no call that is
-    // newer than the tick before: the client rests.
-    ASSERT_TRUE(settles([&] { return line_->looks.load() >= before + 2; }));
+    await_rest(probe);
     line_->loses_next.store(true);
     const auto began = std::chrono::steady_clock::now();
     ASSERT_TRUE(gecos::ping(probe).get());
     EXPECT_LT(std::chrono::steady_clock::now() - began, heartbeat / 2);
     EXPECT_FALSE(line_->loses_next.load());
   }
+}
+
+TEST_F(CallAfterARest, IsNotSentIfTheServerHasEndedMeanwhile) {
+  const auto probe = connect(resting_lab_);
+  for (int time = 0; time < 3; ++time) await_rest(probe);
+  server_.reset();
+  const auto late = probe.set(1).get();
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().detail, gecos::Detail::NoServer) << late.error();
 }
 
 }  // namespace

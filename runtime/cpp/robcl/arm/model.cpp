@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "robcl/arm/xml_nesting.hpp"
 #include "robcl/frames/units.hpp"
@@ -46,6 +47,26 @@ class SeparatedLinks {
   const urdf::ModelInterfaceSharedPtr robot_;
 };
 
+/// Returns an error if joints of `robot` form a loop; nullopt if there is none. @pre each link is
+/// the child of at most one joint: then the root link does not lead to the links of a loop.
+std::optional<std::string> loop_of_links(const urdf::ModelInterface& robot) {
+  std::set<std::string> reached;
+  std::vector<urdf::LinkConstSharedPtr> next = {robot.getRoot()};
+  while (!next.empty()) {
+    const urdf::LinkConstSharedPtr link = next.back();
+    next.pop_back();
+    reached.insert(link->name);
+    next.insert(next.end(), link->child_links.begin(), link->child_links.end());
+  }
+  for (const auto& [name, link] : robot.links_) {
+    if (!reached.contains(name)) {
+      return "link '" + name + "' cannot be reached from the root link '" + robot.getRoot()->name +
+             "': the joints above it form a loop";
+    }
+  }
+  return std::nullopt;
+}
+
 /// Returns an error in the joints of `robot` that the URDF parser does not find; nullopt if there
 /// is no error.
 std::optional<std::string> problem_of_joints(const urdf::ModelInterface& robot) {
@@ -63,7 +84,7 @@ std::optional<std::string> problem_of_joints(const urdf::ModelInterface& robot) 
              name + "'";
     }
   }
-  return std::nullopt;
+  return loop_of_links(robot);
 }
 
 /// Returns the joints of the chain from the link `base` to the link `flange`, in this order. The

@@ -79,10 +79,7 @@ tl::expected<void, media::SendProblem> CallSender::send(
     }
   }
   calls_.add(header.counter, command);
-  if (std::exchange(rests_, false)) {
-    tick_requested_.store(true, std::memory_order_relaxed);
-    runtime_.maintenance().wake_requesters();
-  }
+  if (repeats_ && idle_rest_.call_sent()) runtime_.maintenance().wake_requesters();
   return {};
 }
 
@@ -225,17 +222,10 @@ void CallSender::query_old_calls() {
 /// its outcome.
 TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
   const MutexLock lock(mutex_);
-  const bool called = std::exchange(issued_before_, calls_.issued()) != calls_.issued();
-  // If no call is open, the maintenance thread sleeps until the next heartbeat, so that idle
-  // clients cause few wake-ups. Over a medium that loses packets, the first call after such a rest
-  // must wake the thread, which may have to repeat the call. A client that has called since the
-  // last tick probably calls again soon: the thread then sleeps for one retry interval, and no call
-  // has to wake it.
-  if (calls_.size() == 0) {
-    if (repeats_ && called) return std::min(next_beat, now + retry_after(1));
-    rests_ = repeats_;
-    return next_beat;
-  }
+  // Over a medium that loses packets, the thread may have to repeat the next call, so that it rests
+  // only while the client is idle.
+  const bool rests = !repeats_ || idle_rest_.tick(calls_.issued(), calls_.size());
+  if (calls_.size() == 0) return rests ? next_beat : std::min(next_beat, now + retry_after(1));
   if (!repeats_ && !cancels_waiting_) return std::min(next_beat, now + longest_sleep);
   const TimePoint soon = now + Maintenance::tick;
   cancels_waiting_ = false;

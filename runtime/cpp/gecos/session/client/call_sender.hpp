@@ -14,6 +14,7 @@
 #include "gecos/media/medium.hpp"
 #include "gecos/session/client/ending.hpp"
 #include "gecos/session/client/failover.hpp"
+#include "gecos/session/client/idle_rest.hpp"
 #include "gecos/session/client/open_calls.hpp"
 #include "gecos/session/client/seen_failures.hpp"
 #include "gecos/session/client/server_watch.hpp"
@@ -65,6 +66,9 @@ class CallSender {
   std::uint64_t issued();
   /// Returns the number of open calls.
   std::size_t open();
+  /// Returns true while no thread reads the connection before the next heartbeat: no call is open,
+  /// and none was sent lately. Always false over a medium that loses no packets.
+  bool rests() const { return idle_rest_.rests(); }
   /// Runs `use` while no other thread sends over the connection.
   void with_connection(FunctionRef<void(media::Connection&)> use);
   bool everything_arrived();
@@ -92,10 +96,7 @@ class CallSender {
   TimePoint repeat(TimePoint now, TimePoint next_beat);
   /// Returns whether a call was sent after which `repeat` must be called at once, and clears the
   /// request.
-  bool take_tick_request() {
-    return tick_requested_.load(std::memory_order_relaxed) &&
-           tick_requested_.exchange(false, std::memory_order_relaxed);
-  }
+  bool take_tick_request() { return idle_rest_.take_tick_request(); }
   /// Asks the server for the state of each call that was already open when this function ran last,
   /// because the reply may have been damaged in shared memory. Does nothing over a medium that
   /// loses packets, because `repeat` sends the calls again there.
@@ -142,8 +143,7 @@ class CallSender {
   const ServerWatch& server_;
   const bool repeats_;  ///< the medium may lose packets
   const std::shared_ptr<SeenFailures> failures_ = std::make_shared<SeenFailures>();
-  std::atomic<bool> lost_{false};            // publishes loss_
-  std::atomic<bool> tick_requested_{false};  // orders no other memory
+  std::atomic<bool> lost_{false};  // publishes loss_
 
   FutexMutex mutex_;
   OpenCalls calls_ GECOS_GUARDED_BY(mutex_);
@@ -156,12 +156,7 @@ class CallSender {
   Duration quickest_answer_ GECOS_GUARDED_BY(mutex_) = std::chrono::seconds(1);
   /// The counter of the newest call that had been issued when `query_old_calls` ran last.
   std::uint64_t open_when_asked_ GECOS_GUARDED_BY(mutex_) = 0;
-  /// How many calls had been issued when `repeat` ran last.
-  std::uint64_t issued_before_ GECOS_GUARDED_BY(mutex_) = 0;
-  /// True while no call is open and `repeat` has asked for no tick before the next heartbeat: the
-  /// next call must then wake the maintenance thread. Always false over a medium that loses no
-  /// packets.
-  bool rests_ GECOS_GUARDED_BY(mutex_) = false;
+  IdleRest idle_rest_;  ///< used over a medium that loses packets
 };
 
 }  // namespace gecos::session
