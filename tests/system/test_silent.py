@@ -74,8 +74,8 @@ def test_a_server_that_stands_still_is_silent_and_comes_back(
     done = lab.run(sys.executable, "-c", CREATE)
     assert done.finish() == 0, str(done)
     assert re.search(
-        rf"NO_SERVER: the server of RAIL, \S+ pid {server.pid}, has been silent for \d+\.\d s;"
-        " continue it, or end it and start it again",
+        rf"NO_SERVER: the server of RAIL \(\S+, pid {server.pid}\) has been silent for \d+\.\d s:"
+        rf" resume it if it is suspended \(kill -CONT {server.pid}\), end it",
         done.output(),
     ), str(done)
 

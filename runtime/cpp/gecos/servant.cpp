@@ -7,9 +7,11 @@
 #include <cstdlib>
 #include <exception>
 #include <map>
+#include <optional>
 #include <typeinfo>
 #include <utility>
 
+#include "gecos/base/per_process.hpp"
 #include "gecos/wire/check.hpp"
 
 namespace gecos {
@@ -54,6 +56,12 @@ void with_encoded(std::size_t size, FunctionRef<void(wire::Encoder&)> encode, Us
 class UnpublishedSamples {
  public:
   void log(std::string_view stream, const std::string& why) {
+    if (const auto line = line_for(stream, why)) log_error(stream, *line);
+  }
+
+ private:
+  /// Returns the line of the log for a sample; nullopt if the stream has had enough lines.
+  std::optional<std::string> line_for(std::string_view stream, const std::string& why) {
     const MutexLock lock(mutex_);
     Lines& lines = streams_[std::string(stream)];
     const TimePoint now(std::chrono::steady_clock::now());
@@ -63,16 +71,16 @@ class UnpublishedSamples {
     }
     if (++lines.count > most_lines) {
       ++lines.left_out;
-      return;
+      return std::nullopt;
     }
     std::string line = "not published: " + why;
     if (const auto others = std::exchange(lines.left_out, 0); others != 0) {
-      line += "; nor were " + std::to_string(others) + " samples before, which have no line";
+      line += "; " + std::to_string(others) +
+              " earlier samples were not published either and are not logged";
     }
-    log_error(stream, line);
+    return line;
   }
 
- private:
   static constexpr int most_lines = 10;
   struct Lines {
     TimePoint began{};  ///< of the second in which `count` lines were wanted
@@ -274,8 +282,8 @@ Loan Servant::gecos_lent(std::string_view name, tl::expected<Loan, std::string> 
 }
 
 void Servant::gecos_not_published(std::string_view name, const std::string& why) {
-  static UnpublishedSamples samples;
-  samples.log(name, why);
+  static constinit PerProcess<UnpublishedSamples> samples;
+  samples.get().log(name, why);
 }
 
 std::int64_t unix_now_ns() {

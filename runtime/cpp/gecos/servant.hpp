@@ -425,7 +425,8 @@ class Servant {
   }
   /// Returns true when a server has added this servant.
   bool gecos_attached() const { return !gecos_publisher_.empty(); }
-  /// Logs why a sample was not published, at most ten times a second for each stream. `name` is the
+  /// Logs why a sample was not published, at most ten times a second for each stream. The
+  /// next line, if there is one, counts the samples that were left out. `name` is the
   /// stream's scoped name.
   static void gecos_not_published(std::string_view name, const std::string& why);
   /// If `lent` is an error, logs why no memory was lent, and returns an empty Loan. Otherwise

@@ -255,11 +255,11 @@ nb::tuple as_tuple(const Progress& progress) {
 
 /// Returns the progress of a command, for `repr` and warnings. Unlike `progress`, does not mark the
 /// command as observed.
-nb::tuple peek(const CommandHandle& self) { return as_tuple(self.core().progress()); }
+nb::tuple peek(const CommandHandle& self) { return as_tuple(self.awaited().progress()); }
 
 nb::tuple progress(const CommandHandle& self) {
+  const Progress progress = self.awaited().progress();
   self.core().observe();
-  const Progress progress = self.core().progress();
   self.core().note_look(progress.detail);
   return as_tuple(progress);
 }
@@ -518,12 +518,13 @@ void bind_client(nb::module_& module) {
       .def("about", [](const CommandHandle& c) { return c.core().about(); })
       .def("ignore_outcome", [](const CommandHandle& c) { c.core().ignore_outcome(); })
       .def("observe", [](const CommandHandle& c) { c.core().observe(); })
+      .def("inherited", &CommandHandle::inherited)
       .def("observed", [](const CommandHandle& c) { return c.core().observed(); })
       .def("peek", &peek)
       .def("progress", &progress)
-      .def("feedback", [](const CommandHandle& c) { return to_python(c.core().feedback()); })
+      .def("feedback", [](const CommandHandle& c) { return to_python(c.awaited().feedback()); })
       .def("wait", &wait, nb::arg("timeout").none())
-      .def("cancel", [](const CommandHandle& c) { c.core().cancel(); })
+      .def("cancel", [](const CommandHandle& c) { c.awaited().cancel(); })
       .def("answer", &answer, nb::arg("timeout").none())
       .def("failure",
            [](const CommandHandle& c) {

@@ -138,7 +138,10 @@ class CommandHandle {
 
   session::CommandCore& core() const { return *core_; }
   const std::shared_ptr<session::CommandCore>& shared() const { return core_; }
-  /// Returns the command, for a caller that will wait for it. Throws in a forked child.
+  /// Returns true in a forked child, if the parent has issued the command.
+  bool inherited() const { return owner_.inherited(); }
+  /// Returns the command, for a caller that reads its state, cancels it or waits for it. Throws in
+  /// a forked child: the session may be used by threads that the child does not have.
   session::CommandCore& awaited() const {
     owner_.demand("this command");
     return *core_;

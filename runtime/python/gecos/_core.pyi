@@ -106,6 +106,9 @@ class Command:
         """Marks the command as observed, so that its failure is not logged. The server is not told
         that the program has seen a failure, as it is after `progress` or `failure`."""
     def observed(self) -> bool: ...
+    def inherited(self) -> bool:
+        """Returns True in a forked child, if the parent has issued the command. `peek`, `progress`,
+        `feedback`, `wait`, `cancel`, `answer` and `descriptor` then raise RuntimeError."""
     def peek_failure(self) -> tuple[int, str, str, bytes]:
         """Does the same as failure(), but does not mark the command as observed."""
     def descriptor(self) -> int: ...

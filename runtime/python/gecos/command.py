@@ -188,6 +188,8 @@ class Command(TaskOf[T], Generic[T, F]):
         return self._method.operation.name
 
     def __repr__(self) -> str:
+        if self._core.inherited():
+            return f"<Command {self._name}: of the process that forked this one>"
         detail, position, fraction = self._core.peek()
         more = f", {position} before it" if detail == Detail.QUEUED else ""
         more += f", {fraction:.0%}" if detail == Detail.EXECUTING else ""
@@ -211,8 +213,8 @@ class _Unobserved(Command[T, F]):
         self.__class__ = Command  # type: ignore[assignment]  # the class without `__del__`
 
     def __del__(self) -> None:
-        if self._name in _warned:
-            return  # a warning was already issued; the log reports later failures
+        if self._name in _warned or self._core.inherited():
+            return  # a warning was already issued, or the parent of this process issues it
         detail = Detail(self._core.peek()[0])
         # If the server did not carry out a command because an earlier command had failed, the core
         # marks the later command as observed. Only the earlier command causes a warning.

@@ -234,6 +234,8 @@ TEST_P(Images, ThatDoNotFitAreRefused) {
   EXPECT_TRUE(camera_.lend_picture({}, 10)) << "a refused loan has ended";
 }
 
+// Needs a process of its own, as ctest gives it: the limit counts the lines of a stream in a
+// process.
 TEST_P(Images, ThatDoNotFitFillNoLog) {
   ::testing::internal::CaptureStderr();
   for (int time = 0; time < 1000; ++time) EXPECT_FALSE(camera_.lend_picture({}, 50'001));

@@ -33,7 +33,8 @@ tl::unexpected<ModelError> refuse(const std::string& what) {
 }
 
 /// Separates the links of a robot when this object is destroyed. A link owns its children, so the
-/// links of a loop would own each other and never be freed.
+/// links of a loop would own each other and never be freed. This cannot help if the parser itself
+/// refuses the robot, for example because every link is in a loop.
 class SeparatedLinks {
  public:
   explicit SeparatedLinks(urdf::ModelInterfaceSharedPtr robot) : robot_(std::move(robot)) {}

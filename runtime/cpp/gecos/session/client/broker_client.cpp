@@ -49,9 +49,10 @@ std::string silence_of(const SilentObject& object) {
   char seconds[32];
   std::snprintf(seconds, sizeof seconds, "%.1f s", object.silent_for);
   const Entry& entry = object.entry;
-  return "the server of " + entry.name + ", " + entry.user + "@" + entry.hostname + " pid " +
-         std::to_string(entry.pid) + ", has been silent for " + seconds +
-         "; continue it, or end it and start it again";
+  const std::string pid = std::to_string(entry.pid);
+  return "the server of " + entry.name + " (" + entry.user + "@" + entry.hostname + ", pid " + pid +
+         ") has been silent for " + seconds + ": resume it if it is suspended (kill -CONT " + pid +
+         "), end it and start it again if it hangs, or look at its host and the network";
 }
 
 }  // namespace

@@ -66,8 +66,9 @@ class CallSender {
   std::uint64_t issued();
   /// Returns the number of open calls.
   std::size_t open();
-  /// Returns true while no thread reads the connection before the next heartbeat: no call is open,
-  /// and none was sent lately. Always false over a medium that loses no packets.
+  /// Returns true if no call is open and none was sent since the tick before the last one. The
+  /// maintenance thread then may not read the connection before the next heartbeat. Always false
+  /// over a medium that loses no packets.
   bool rests() const { return idle_rest_.rests(); }
   /// Runs `use` while no other thread sends over the connection.
   void with_connection(FunctionRef<void(media::Connection&)> use);

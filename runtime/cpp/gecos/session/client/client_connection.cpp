@@ -92,7 +92,9 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   header.deadline = deadline_of(operation, options);
 
   const std::size_t most = calls_.most_open(operation.safety || is_builtin(operation.code));
-  if (calls_.rests()) read_what_came_during_rest();
+  // The server may have closed the session during a rest. A call that is sent nevertheless would
+  // end as OUTCOME_UNKNOWN.
+  if (calls_.rests()) reader_.read_after_rest();
   auto sent = calls_.send(header, most, size, encode, command, nullptr);
   if (!sent && sent.error() == media::SendProblem::Full) {
     reader_.poll_once();  // reading the replies that wait may make room
@@ -106,13 +108,6 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   if (chained && sent.error() != media::SendProblem::Lost) note_unsent(*command, failure);
   command->fail(std::move(failure));
   return command;
-}
-
-/// The server may have closed the session during the rest. A call that is sent nevertheless would
-/// end as OUTCOME_UNKNOWN.
-void ClientConnection::read_what_came_during_rest() {
-  reader_.look_for_loss_soon();
-  reader_.poll_once();
 }
 
 Duration ClientConnection::deadline_of(const OperationDescription& operation,

@@ -89,7 +89,6 @@ class ClientConnection final : public ClientSession,
     return qos::stricter(declared, requested_);
   }
   /// Returns the longest time of a call of `operation`; zero if there is no limit.
-  void read_what_came_during_rest();
   Duration deadline_of(const OperationDescription& operation, const CallOptions& options) const;
   /// Makes the session refuse the operations and streams of `wanted` whose terms() demand more than
   /// `line`, the promises of the medium. `simulated`: whether the object is a simulated device.

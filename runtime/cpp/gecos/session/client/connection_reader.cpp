@@ -1,5 +1,7 @@
 #include "gecos/session/client/connection_reader.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -19,7 +21,8 @@ constexpr Duration rest_of_a_flood = std::chrono::microseconds(400);
 
 ConnectionReader::ConnectionReader(Runtime& runtime, media::Connection& connection,
                                    CallSender& calls, PacketReceiver& receiver, EndListener& end)
-    : runtime_(runtime),
+    : owner_(getpid()),
+      runtime_(runtime),
       connection_(connection),
       calls_(calls),
       receiver_(receiver),
@@ -45,6 +48,12 @@ void ConnectionReader::poll_once() {
     leader_lock_.release();
   }
   if (taken != 0) leader_lock_.notify(nullptr);
+}
+
+void ConnectionReader::read_after_rest() {
+  if (getpid() != owner_) return;
+  look_for_loss_soon();
+  poll_once();
 }
 
 bool ConnectionReader::wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline) {
@@ -130,6 +139,9 @@ void ConnectionReader::sleep(FunctionRef<bool()> done, TimePoint deadline) {
 }
 
 void ConnectionReader::wake_all() {
+  // A forked child has none of the threads, but shares the descriptor of the event, which its
+  // parent would not drain.
+  if (getpid() != owner_) return;
   leader_lock_.notify_all();
   leader_event_.notify();
   leader_called_.store(true);  // must follow notify(), otherwise the event might never be drained

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <poll.h>
+#include <sys/types.h>
 
 #include <atomic>
 #include <cstddef>
@@ -30,6 +31,9 @@ class ConnectionReader {
 
   /// Reads the packets that have arrived, unless another thread is reading. Never waits.
   void poll_once();
+  /// Reads what has arrived while no thread read the connection (CallSender::rests), also the end
+  /// of the connection. Does nothing in a forked child. Never waits.
+  void read_after_rest();
   /// Reads packets, or waits for the thread that reads them, until `done()` returns true or
   /// `deadline` has passed. Returns the last result of `done()`. `subject`: the command that the
   /// thread waits for; null to be woken by every packet.
@@ -71,6 +75,7 @@ class ConnectionReader {
   void quiet_leader();
   void look_for_loss();
 
+  const pid_t owner_;
   Runtime& runtime_;
   media::Connection& connection_;
   CallSender& calls_;

@@ -97,7 +97,7 @@ TimePoint Runtime::heartbeat_origin() {
   constexpr std::size_t origins = 10;
   const std::size_t before = sessions_in_packets_.fetch_add(1, std::memory_order_relaxed);
   const auto number = static_cast<int>(before / heartbeats_in_step % origins);
-  return made_ + number * options_.heartbeat / static_cast<int>(origins);
+  return made_ - options_.heartbeat + number * options_.heartbeat / static_cast<int>(origins);
 }
 
 tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options, const Clock& clock,
