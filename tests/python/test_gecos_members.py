@@ -541,7 +541,8 @@ def test_describe_shows_members_with_units_ranges_and_access(arm: Arm, run: Run)
     assert "  tool: robcl::Frame  (stream out at 250 Hz)\n" in out
     assert "  tool_offset: robcl::Frame  (set: actor)\n" in out
     assert (
-        "  move(goal: robcl::Frame, how: robcl::Trajectory?, pose_epoch: uint64?)  (actor, " in out
+        "  move(goal: robcl::Frame, how: robcl::Trajectory?, pose_epoch: uint64?)  (actor, "
+        "cancelable, on_new blend, feedback robcl::MotionProgress, raises " in out
     )
     code, out, _ = run("describe", "ARM", "--json")
     shown = json.loads(out)

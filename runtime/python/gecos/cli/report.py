@@ -249,7 +249,14 @@ def _how_read(attribute: Attribute) -> str:
 
 def _how_called(operation: Operation) -> str:
     words = [operation.access.name.lower()]
-    words += [word for word in ("safety", "cancelable", "idempotent") if getattr(operation, word)]
+    flags = ("safety", "cancelable", "idempotent", "parallel", "ordered")
+    words += [word for word in flags if getattr(operation, word)]
+    if operation.on_new:  # not QUEUE
+        words.append(f"on_new {operation.on_new.name.lower()}")
+    if operation.on_loss:  # not STOP
+        words.append(f"on_loss {operation.on_loss.name.lower()}")
+    if operation.quality.deadline_ns:
+        words.append(f"deadline {operation.quality.deadline_ns * 1e-9:g} s")
     if operation.feedback:
         words.append(f"feedback {operation.feedback}")
     if operation.raises:
