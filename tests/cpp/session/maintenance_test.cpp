@@ -79,7 +79,9 @@ TEST(Maintenance, CallsOnlyTheTargetThatHasRequestedATick) {
     maintenance.wake_requesters();
     requester->await_ticks(before + 1);
     // add() wakes the thread, at the latest with the first request.
-    if (time > 0) EXPECT_EQ(other->ticks(), others);
+    if (time > 0) {
+      EXPECT_EQ(other->ticks(), others);
+    }
   }
 }
 
