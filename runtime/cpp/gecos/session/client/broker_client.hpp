@@ -14,8 +14,8 @@ namespace gecos::session {
 inline constexpr std::string_view broker_name = "BROKER";
 
 /// Looks up the object `name`. On failure returns a text such as "no object is called RX91; start
-/// the object's server, or choose a name that the broker knows: LASER, RX90". If the broker no longer
-/// hears the server of the object, the text says for how long.
+/// the object's server, or choose a name that the broker knows: LASER, RX90". If the broker no
+/// longer hears the server of the object, the text says for how long.
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name, TimePoint deadline);
 
 /// Returns the object `name` if its server is silent. Returns nullopt when its server is online,
