@@ -21,7 +21,13 @@ class FollowTest : public Rx90Laboratory {
                        const robcl::FollowLimits& limits = {}) {
     auto following = robot_.follow(axes, limits);
     alter.feeds(following);
-    while (!following.feedback() && following.state() == gecos::State::Running) cycle()();
+    while (!following.feedback() && following.state() == gecos::State::Running) {
+      cycle()();
+      // The watchdog counts cycles, so the feedback of each one gets 20 ms to arrive.
+      for (int look = 0; look < 100 && !following.feedback(); ++look) {
+        following.wait_for(std::chrono::microseconds(200));
+      }
+    }
     EXPECT_TRUE(following.feedback()) << following.get().error();
     return following;
   }
