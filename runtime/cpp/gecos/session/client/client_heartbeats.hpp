@@ -18,18 +18,18 @@ class ClientHeartbeats {
 
   enum class Sent : std::uint8_t { InMemory, AsPackets };
 
-  /// `origin`: after the first heartbeat, which is sent at once, heartbeats that are packets are
-  /// due at multiples of `period` after `origin` (Runtime::heartbeat_origin).
-  ClientHeartbeats(Duration period, Sent sent, TimePoint origin)
+  /// `anchor`: after the first heartbeat, which is sent at once, heartbeats that are packets are
+  /// due at multiples of `period` after `anchor` (Runtime::heartbeat_anchor).
+  ClientHeartbeats(Duration period, Sent sent, TimePoint anchor)
       : sent_(sent),
         period_(std::max(period, Duration{1})),
         shift_(sent == Sent::InMemory ? std::min(longest_shift, period / 10) : Duration{}),
-        origin_(origin) {}
+        anchor_(anchor) {}
 
   /// Returns whether the client must send a heartbeat at the tick of the time `now`.
   bool due(TimePoint now) {
     if (now + 2 * shift_ < next_) return false;  // NextTick::shift explains the factor 2
-    const Duration since_due = sent_ == Sent::AsPackets ? (now - origin_) % period_ : Duration{};
+    const Duration since_due = sent_ == Sent::AsPackets ? (now - anchor_) % period_ : Duration{};
     next_ = now + period_ - since_due;
     return true;
   }
@@ -44,7 +44,7 @@ class ClientHeartbeats {
   const Sent sent_;
   const Duration period_;
   const Duration shift_;
-  const TimePoint origin_;
+  const TimePoint anchor_;
   TimePoint next_{};
 };
 

@@ -11,7 +11,7 @@ ConnectionMaintenance::ConnectionMaintenance(Runtime& runtime, Parts session)
     : reliable_(session.connection.capabilities().reliable),
       heartbeats_(runtime.options().heartbeat,
                   reliable_ ? ClientHeartbeats::Sent::InMemory : ClientHeartbeats::Sent::AsPackets,
-                  reliable_ ? TimePoint{} : runtime.heartbeat_origin()),
+                  reliable_ ? TimePoint{} : runtime.heartbeat_anchor()),
       session_(session) {}
 
 NextTick ConnectionMaintenance::on_tick(TimePoint now) {

@@ -93,11 +93,11 @@ Runtime::Runtime(LabOptions options, const Clock& clock, media::WrapMedium wrap)
 
 Runtime::~Runtime() = default;
 
-TimePoint Runtime::heartbeat_origin() {
-  constexpr std::size_t origins = 10;
+TimePoint Runtime::heartbeat_anchor() {
+  constexpr std::size_t anchors = 10;
   const std::size_t before = sessions_in_packets_.fetch_add(1, std::memory_order_relaxed);
-  const auto number = static_cast<int>(before / heartbeats_in_step % origins);
-  return made_ - options_.heartbeat + number * options_.heartbeat / static_cast<int>(origins);
+  const auto number = static_cast<int>(before / heartbeats_in_step % anchors);
+  return made_ - options_.heartbeat + number * options_.heartbeat / static_cast<int>(anchors);
 }
 
 tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options, const Clock& clock,

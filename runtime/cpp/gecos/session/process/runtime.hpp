@@ -43,11 +43,11 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
 
   const LabOptions& options() const { return options_; }
   const Clock& clock() const { return clock_; }
-  /// Returns the origin of the heartbeats of a new session that sends them as packets; it is never
-  /// later than now. Of ten origins, `heartbeats_in_step` successive sessions have the same one, so
+  /// Returns the anchor of the heartbeats of a new session that sends them as packets; it is never
+  /// later than now. Of ten anchors, `heartbeats_in_step` successive sessions have the same one, so
   /// that one wake-up sends many heartbeats, but the heartbeats of a thousand sessions are spread
   /// over the period. Sessions that have ended count, too.
-  TimePoint heartbeat_origin();
+  TimePoint heartbeat_anchor();
   static constexpr std::size_t heartbeats_in_step = 64;
   Maintenance& maintenance() { return maintenance_; }
   Callbacks& callbacks() { return callbacks_; }
