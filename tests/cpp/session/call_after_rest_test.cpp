@@ -1,5 +1,6 @@
-// An idle client over a medium that loses packets rests from heartbeat to heartbeat. The first call
-// after a rest is lost here: it must be repeated soon, not at the next heartbeat.
+// An idle client over a medium that loses packets rests from heartbeat to heartbeat. If the first
+// call after a rest is lost, the client must repeat it soon, not at the next heartbeat. If the
+// server has ended during the rest, the client must not send the call.
 #include <atomic>
 #include <thread>
 

@@ -31,8 +31,8 @@ class ConnectionReader {
 
   /// Reads the packets that have arrived, unless another thread is reading. Never waits.
   void poll_once();
-  /// Reads what has arrived while no thread read the connection (CallSender::rests), also the end
-  /// of the connection. Does nothing in a forked child. Never waits.
+  /// Reads the packets that have arrived while no thread read the connection (CallSender::rests),
+  /// and notices if the connection has ended. Does nothing in a forked child. Never waits.
   void read_after_rest();
   /// Reads packets, or waits for the thread that reads them, until `done()` returns true or
   /// `deadline` has passed. Returns the last result of `done()`. `subject`: the command that the
