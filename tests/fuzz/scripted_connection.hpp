@@ -57,7 +57,8 @@ class ScriptedConnection final : public media::Connection {
     return {};
   }
   void unshare(std::uint32_t) override {}
-  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t id) override {
+  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t id,
+                                                   const media::StreamBounds&) override {
     return stream ? stream(id) : nullptr;
   }
 

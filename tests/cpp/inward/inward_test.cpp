@@ -107,6 +107,29 @@ TEST_P(InwardStreams, ReachTheServantInOrder) {
   EXPECT_FALSE(speed->report().get()->expired);
 }
 
+/// A client that chooses the size of its samples itself.
+struct Greedy : Dancer {
+  explicit Greedy(const Dancer& dancer)
+      : Object(dancer), Dancer(dancer) {}  // Object: a virtual base
+  auto open(std::size_t largest) const {
+    gecos::InwardDescription speed = feeding::FollowerInterface::speed_stream;
+    speed.largest = largest;
+    return gecos_session_->open_writer(speed).map([](const auto&) {});
+  }
+};
+
+TEST_P(InwardStreams, OfSamplesThatTakeTheServersMemoryAreRefused) {
+  EXPECT_TRUE(Greedy(dancer_).open(64 * 1024)) << "the interface of the client may be newer";
+  const auto refused = Greedy(dancer_).open(64 * 1024 + 1);
+  EXPECT_EQ(refused.has_value(), GetParam() != gecos::media::Kind::Shm)
+      << "elsewhere samples have the bounds of the medium, or are of this process";
+  if (!refused) {
+    EXPECT_NE(refused.error().text.find("bytes, and the reader accepts at most "),
+              std::string::npos)
+        << refused.error().text;
+  }
+}
+
 TEST_P(InwardStreams, AreNotSentWithoutALease) {
   auto speed = dancer_.speed(gecos::writer);
   ASSERT_TRUE(speed) << speed.error();

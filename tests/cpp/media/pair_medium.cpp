@@ -156,7 +156,8 @@ class PairConnection final : public Connection {
     if (held.empty()) return;
     if (const auto list = held.mapped().lock()) list->remove(sleeper_.get());
   }
-  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id,
+                                            const StreamBounds& /*most*/) override {
     const std::lock_guard lock(line_->mutex);
     const auto& streams = line_->streams[1 - side_];
     const auto found = streams.find(id);

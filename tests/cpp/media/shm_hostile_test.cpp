@@ -10,6 +10,7 @@
 #include <cstring>
 #include <random>
 #include <thread>
+#include <utility>
 
 #include "gecos/base/event_fd.hpp"
 #include "gecos/media/buffers/bulk.hpp"
@@ -503,6 +504,44 @@ TEST_F(ShmHostile, AClientRefusesStreamsOfImpossibleSizes) {
     ASSERT_TRUE(shm::send_control(socket.get(), share, given));
     EXPECT_EQ(client.connection->open_stream(1), nullptr);
     EXPECT_EQ(client.connection->loss(), Loss::Broken);
+  }
+}
+
+/// Shares a stream of this size, with memory for it, under the number 1.
+void share_stream(int socket, std::size_t largest, std::size_t depth) {
+  const auto memory = shm::make_sealed("hostile", StreamMemory::bytes(largest, depth)).value();
+  ControlMessage share{.type = ControlType::Share, .id = 1};
+  share.largest = largest;
+  share.depth = depth;
+  const std::array given{memory.memfd.get()};
+  ASSERT_TRUE(shm::send_control(socket, share, given));
+}
+
+TEST_F(ShmHostile, AStreamWithLargerSamplesThanItsReaderAcceptsIsNotOpened) {
+  const HostileServer server(directory_.path());
+  End client(std::move(*medium_->connect(server.address())));
+  const Descriptor socket = server.accept();
+  share_stream(socket.get(), 4096, 4);
+  EXPECT_EQ(client.connection->open_stream(1, {.largest = 4095}), nullptr);
+  EXPECT_EQ(client.connection->why_no_stream(1),
+            "its samples may have 4096 bytes, and the reader accepts at most 4095");
+  EXPECT_NE(client.connection->open_stream(1, {.largest = 4096}), nullptr);
+}
+
+TEST_F(ShmHostile, AStreamThatIsReadKeepsItsSize) {
+  const HostileServer server(directory_.path());
+  for (const auto& [largest, depth] : {std::pair(8192, 4), std::pair(4096, 5)}) {
+    End client(std::move(*medium_->connect(server.address())));
+    const Descriptor socket = server.accept();
+    share_stream(socket.get(), 4096, 4);
+    const auto reader = client.connection->open_stream(1, {.largest = 4096});
+    ASSERT_NE(reader, nullptr);
+    share_stream(socket.get(), 4096, 4);  // the stream moves to other memory
+    EXPECT_NE(client.connection->open_stream(1), nullptr);
+    share_stream(socket.get(), static_cast<std::size_t>(largest), static_cast<std::size_t>(depth));
+    EXPECT_EQ(client.wait_for_loss(), Loss::Broken);
+    EXPECT_EQ(client.connection->loss_text(),
+              "the peer changed the size of a stream that is being read");
   }
 }
 

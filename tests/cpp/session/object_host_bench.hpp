@@ -52,7 +52,10 @@ class TestConnection final : public media::Connection {
     return {};
   }
   void unshare(std::uint32_t) override {}
-  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t) override { return nullptr; }
+  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t,
+                                                   const media::StreamBounds&) override {
+    return nullptr;
+  }
 
   bool full = false;
   bool silent = false;  ///< no more signs of life come

@@ -76,7 +76,10 @@ class UserConnection final : public media::Connection {
     return {};
   }
   void unshare(std::uint32_t) override { seen_->stream_left = true; }
-  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t) override { return nullptr; }
+  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t,
+                                                   const media::StreamBounds&) override {
+    return nullptr;
+  }
 
  private:
   const std::shared_ptr<Seen> seen_;

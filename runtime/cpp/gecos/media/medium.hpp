@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -187,6 +188,15 @@ class StreamReader {
   virtual std::vector<StreamSample> stored() = 0;
 };
 
+/// The bounds of a stream that a reader opens. A peer may share a stream that is larger. Each bound
+/// is for media on which the peer could otherwise choose how much memory the reader's end takes.
+struct StreamBounds {
+  /// Size in bytes of a sample. A stream that may have larger samples is not opened.
+  std::size_t largest = std::numeric_limits<std::size_t>::max();
+  /// The number of samples that this end keeps for the reader, if the medium keeps them here.
+  std::size_t depth = std::numeric_limits<std::size_t>::max();
+};
+
 inline constexpr std::size_t shared_word_count = 4;
 
 /// One end of a connection between a client and a server.
@@ -292,7 +302,8 @@ class Connection {
   /// Opens the stream that the peer shared under the number `id`. Returns null when the
   /// announcement of the stream has not arrived yet, or when the stream cannot be opened (see
   /// why_no_stream).
-  virtual std::unique_ptr<StreamReader> open_stream(std::uint32_t id) = 0;
+  virtual std::unique_ptr<StreamReader> open_stream(std::uint32_t id, const StreamBounds& most) = 0;
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) { return open_stream(id, {}); }
   /// Returns a text that says why the stream that the peer shared under the number `id` cannot be
   /// opened here. The text is empty while the announcement of the stream may still arrive.
   virtual std::string why_no_stream(std::uint32_t id);

@@ -131,7 +131,10 @@ class LineEnd final : public media::Connection {
     return {};
   }
   void unshare(std::uint32_t) override {}
-  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t) override { return nullptr; }
+  std::unique_ptr<media::StreamReader> open_stream(std::uint32_t,
+                                                   const media::StreamBounds&) override {
+    return nullptr;
+  }
 
  private:
   Line::End& me() { return line_.ends_[Line::index(side_)]; }

@@ -208,7 +208,8 @@ class InprocConnection final : public Connection, public QuietSender {
     if (held.empty()) return;
     if (const auto list = held.mapped().lock()) list->remove(sleeper_.get());
   }
-  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id,
+                                            const StreamBounds& /*most*/) override {
     const MutexLock lock(pair_->mutex);
     const auto& streams = pair_->streams[1 - side_];
     const auto found = streams.find(id);

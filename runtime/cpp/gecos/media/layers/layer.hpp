@@ -43,8 +43,8 @@ class ConnectionLayer : public Connection {
     return inner_->share(id, stream);
   }
   void unshare(std::uint32_t id) override { inner_->unshare(id); }
-  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
-    return inner_->open_stream(id);
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id, const StreamBounds& most) override {
+    return inner_->open_stream(id, most);
   }
   std::function<std::string()> later_refusal() override { return inner_->later_refusal(); }
   std::string why_no_stream(std::uint32_t id) override { return inner_->why_no_stream(id); }

@@ -307,7 +307,8 @@ void SealedClient::unshare(std::uint32_t id) {
   if (inward_.erase(id) != 0) say(InnerKind::Unshare, id);
 }
 
-std::unique_ptr<StreamReader> SealedClient::open_stream(std::uint32_t id) {
+std::unique_ptr<StreamReader> SealedClient::open_stream(std::uint32_t id,
+                                                        const StreamBounds& /*most*/) {
   if (inherited()) return nullptr;
   heard_of_streams_ = false;
   pump();
@@ -484,13 +485,15 @@ void SealedServer::unshare(std::uint32_t id) {
   if (shared_.erase(id) != 0) say(InnerKind::Unshare, id);
 }
 
-std::unique_ptr<StreamReader> SealedServer::open_stream(std::uint32_t id) {
+std::unique_ptr<StreamReader> SealedServer::open_stream(std::uint32_t id,
+                                                        const StreamBounds& most) {
   if (inherited()) return nullptr;
   pump();
   const MutexLock lock(mutex_);
   const auto found = inward_.find(id);
   if (found == inward_.end()) return nullptr;
-  auto samples = std::make_shared<SampleBuffer>(found->second.where.depth);
+  auto samples =
+      std::make_shared<SampleBuffer>(std::min<std::size_t>(found->second.where.depth, most.depth));
   queue_->collect(id, samples);
   found->second.opened = true;
   say(InnerKind::Opened, id);

@@ -81,7 +81,7 @@ class SealedClient final : public SealedConnection {
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
-  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id, const StreamBounds& most) override;
   std::string why_no_stream(std::uint32_t id) override;
 
   SealedClient(const SealedOptions& options, std::shared_ptr<ReceiveQueue> queue,
@@ -143,7 +143,7 @@ class SealedServer final : public SealedConnection {
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
-  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id, const StreamBounds& most) override;
   std::function<std::string()> later_refusal() override;
 
   SealedServer(std::shared_ptr<HandshakeResponder> responder,

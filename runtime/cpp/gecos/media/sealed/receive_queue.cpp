@@ -109,6 +109,7 @@ void ReceiveQueue::put_sample(const InnerHeader& header, ByteView body) {
 
 void ReceiveQueue::collect(std::uint32_t id, std::weak_ptr<SampleBuffer> samples) {
   const MutexLock lock(mutex_);
+  std::erase_if(inward_, [](const auto& each) { return each.second.expired(); });
   inward_[id] = std::move(samples);
 }
 

@@ -237,11 +237,12 @@ void ShmConnection::unshare(std::uint32_t id) {
   streams_.unshare(id, *other_, unsent_);
 }
 
-std::unique_ptr<StreamReader> ShmConnection::open_stream(std::uint32_t id) {
+std::unique_ptr<StreamReader> ShmConnection::open_stream(std::uint32_t id,
+                                                         const StreamBounds& most) {
   read_control();
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return nullptr;
   const MutexLock lock(control_mutex_);
-  return streams_.open(id, watches_);
+  return streams_.open(id, most, watches_);
 }
 
 std::string ShmConnection::why_no_stream(std::uint32_t id) {

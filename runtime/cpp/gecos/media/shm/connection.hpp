@@ -61,7 +61,7 @@ class ShmConnection final : public Connection, public QuietSender {
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
-  std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
+  std::unique_ptr<StreamReader> open_stream(std::uint32_t id, const StreamBounds& most) override;
   std::string why_no_stream(std::uint32_t id) override;
 
   ShmConnection(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death,

@@ -131,8 +131,8 @@ tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid
   int fd = -1;
   socklen_t size = sizeof fd;
   if (::getsockopt(socket, SOL_SOCKET, so_peerpidfd, &fd, &size) == 0) return Descriptor(fd);
-  // On older kernels, the descriptor is opened by the pid of the peer. If the peer has died, the
-  // pid may belong to another process by now; then only the closed socket shows that the peer died.
+  // On older kernels, pidfd_open needs the pid of the peer. If the peer has died, another process
+  // may have this pid by now; then only the closed socket shows that the peer has died.
   fd = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
   if (fd < 0 && errno == ESRCH) return tl::unexpected<std::string>("the peer's process has ended");
   return Descriptor(fd);

@@ -54,6 +54,11 @@ std::optional<std::string> SharedStreams::received(ReceivedControl& control) {
       message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
     return "the peer shared too many streams, or a stream of an invalid size";
   }
+  if (known != received_.end() && known->second.is_read() &&
+      (message.largest != known->second.memory.largest ||
+       message.depth != known->second.memory.depth)) {
+    return "the peer changed the size of a stream that is being read";
+  }
   auto mapping = map_received(control.descriptors[0].get(),
                               StreamMemory::bytes(message.largest, message.depth));
   if (!mapping) {
@@ -88,9 +93,15 @@ void SharedStreams::withdrawn(std::uint32_t id) {
   not_received_.erase(id);
 }
 
-std::unique_ptr<StreamReader> SharedStreams::open(std::uint32_t id, StreamWatches& watches) {
+std::unique_ptr<StreamReader> SharedStreams::open(std::uint32_t id, const StreamBounds& most,
+                                                  StreamWatches& watches) {
   const auto found = received_.find(id);
   if (found == received_.end()) return nullptr;
+  if (const std::size_t largest = found->second.memory.largest; largest > most.largest) {
+    not_received(id, "its samples may have " + std::to_string(largest) + " bytes, and the reader " +
+                         "accepts at most " + std::to_string(most.largest));
+    return nullptr;
+  }
   const auto watch = watches.watch(found->second.memory, found->second.mapping);
   auto& readers = found->second.readers;
   std::erase_if(readers, [](const auto& one) { return one.expired(); });

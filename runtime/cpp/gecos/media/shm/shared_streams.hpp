@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -49,8 +50,10 @@ class SharedStreams {
   /// streams.
   bool not_received(std::uint32_t id, std::string why);
   void withdrawn(std::uint32_t id);
-  /// Opens the stream `id`. Returns null when the peer does not share this stream.
-  std::unique_ptr<StreamReader> open(std::uint32_t id, StreamWatches& watches);
+  /// Opens the stream `id`. Returns null when the peer does not share this stream, or when its
+  /// samples may be larger than `most`.
+  std::unique_ptr<StreamReader> open(std::uint32_t id, const StreamBounds& most,
+                                     StreamWatches& watches);
   /// Returns a text that says why the stream `id` cannot be opened. The text is empty when the peer
   /// has not shared the stream yet.
   std::string why_not_open(std::uint32_t id) const;
@@ -60,6 +63,10 @@ class SharedStreams {
     StreamMemory memory;
     std::shared_ptr<Mapping> mapping;
     std::vector<std::weak_ptr<StreamWatch>> readers{};
+
+    bool is_read() const {
+      return std::ranges::any_of(readers, [](const auto& one) { return !one.expired(); });
+    }
   };
   struct Shared {
     std::weak_ptr<SleeperList> sleepers;

@@ -9,13 +9,12 @@
 #include "gecos/session/client/own_call.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/inward_sample.hpp"
+#include "gecos/session/protocol/sample_bounds.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
 
 namespace gecos::session {
 namespace {
 
-constexpr std::size_t unbounded_sample = 64 * 1024;
-constexpr std::size_t usual_depth = 16;
 constexpr Duration between_questions = std::chrono::milliseconds(5);
 
 }  // namespace

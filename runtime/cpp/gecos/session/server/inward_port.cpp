@@ -5,12 +5,11 @@
 
 #include "gecos/servant.hpp"
 #include "gecos/session/protocol/inward_sample.hpp"
+#include "gecos/session/protocol/sample_bounds.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
 
 namespace gecos::session {
 namespace {
-
-constexpr std::size_t usual_depth = 16;
 
 /// Maximum number of refused samples that next_of() reads before it returns. A hostile client may
 /// write samples faster than this server refuses them.

@@ -3,9 +3,23 @@
 #include <algorithm>
 #include <utility>
 
+#include "gecos/session/protocol/inward_sample.hpp"
+#include "gecos/session/protocol/sample_bounds.hpp"
+#include "gecos/session/protocol/sample_time.hpp"
 #include "gecos/session/server/server_session.hpp"
 
 namespace gecos::session {
+namespace {
+
+/// The bounds of the streams that feed `stream`. The servant's thread copies each sample before the
+/// sample is judged, so a client without a status must not choose the size. A client whose
+/// interface is newer may have larger samples, up to those of a stream without a bound.
+media::StreamBounds bounds_of(const InwardDescription& stream) {
+  const std::size_t depth = stream.quality.depth != 0 ? stream.quality.depth : usual_depth;
+  return {inward_header_size + std::max(stream.largest, unbounded_sample) + measured_bytes, depth};
+}
+
+}  // namespace
 
 ObjectInward::ObjectInward(const ObjectSetup& setup, const NameClaim& claim,
                            const access::ObjectPresence& presence) {
@@ -26,7 +40,7 @@ tl::expected<bool, std::string> ObjectInward::feed(InwardPort& port,
                                                    std::uint32_t id) const {
   if (port.has(session->id(), id)) return true;
   media::Connection& connection = session->connection();
-  auto reader = connection.open_stream(id);
+  auto reader = connection.open_stream(id, bounds_of(port.stream()));
   if (!reader) {
     if (auto why = connection.why_no_stream(id); !why.empty())
       return tl::unexpected(std::move(why));

@@ -6,12 +6,11 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/session/protocol/sample_bounds.hpp"
 
 namespace gecos::session {
 namespace {
 
-constexpr std::size_t unbounded_sample = 64 * 1024;
-constexpr std::size_t usual_depth = 16;
 constexpr const char* still_lent =
     "the memory of the next sample is lent already; publish that loan or end it first";
 
