@@ -86,6 +86,30 @@ TEST_F(ServedObjects, EndWhileAPasswordIsProved) {
   EXPECT_EQ(reply_to(1), Detail::Rejected);
 }
 
+double processor_seconds() {
+  timespec used{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
+TEST_F(ServedObjects, DeriveNothingFromThePasswordsOfCanceledRequests) {
+  const double begin = processor_seconds();
+  acquire_with(1, "sesame");
+  const double of_one = processor_seconds() - begin;
+  release(2, granted());
+
+  constexpr std::uint64_t canceled = 100;
+  const double flood = processor_seconds();
+  for (std::uint64_t counter = 3; counter < 3 + canceled; ++counter) {
+    send_password(counter, "sesame", 60);
+    packet(wire::PacketKind::Cancel, counter);
+    ASSERT_EQ(reply_to(counter), Detail::Canceled);
+  }
+  acquire_with(3 + canceled, "sesame");
+  EXPECT_EQ(reply_to(3 + canceled), Detail::Done);
+  EXPECT_LT(processor_seconds() - flood, canceled / 2 * of_one);
+}
+
 class Passwords : public probe::OverMedia {};
 PROBE_OVER_MEDIA(Passwords);
 

@@ -127,12 +127,32 @@ void StatusGrants::prove(StatusRequest request, access::Proof password) {
     return refuse(setup_, *session, counter, request.wanted, refused->text,
                   shown_to_clients(refused->holders, clock_.now()));
   }
-  if (!line_.add(std::move(request))) return;
-  if (prover_.prove(session->id(), counter, std::move(password))) return;
-  proved(session->id(), counter, std::nullopt);
+  request.password = std::move(password);
+  if (line_.add(std::move(request))) prove_next();
+}
+
+/// Begins to derive the next proof, unless one is being derived. A request that ends in the line is
+/// never derived, so a client that sends and cancels many requests delays other clients by no more
+/// than one derivation.
+void StatusGrants::prove_next() {
+  while (!proving_) {
+    StatusRequest* const next = line_.first_to_prove();
+    if (next == nullptr) return;
+    const SessionId session = next->session->id();
+    const std::uint64_t counter = next->counter;
+    proving_ = prover_.prove(session, counter, std::exchange(next->password, {}));
+    if (!proving_) settle(session, counter, std::nullopt);
+  }
 }
 
 void StatusGrants::proved(SessionId session, std::uint64_t counter,
+                          std::optional<access::Proof> proof) {
+  proving_ = false;
+  settle(session, counter, std::move(proof));
+  prove_next();
+}
+
+void StatusGrants::settle(SessionId session, std::uint64_t counter,
                           std::optional<access::Proof> proof) {
   StatusRequest* const request = line_.find(session, counter);
   if (request == nullptr) return;

@@ -31,7 +31,8 @@ class StatusGrants {
   class Prover {
    public:
     /// Begins to derive the proof of `password`. When the proof is derived, the prover must call
-    /// StatusGrants::proved. Returns false when no thread can be created for the work.
+    /// StatusGrants::proved. Returns false when no thread can be created for the work. Is not
+    /// called while a proof is being derived.
     virtual bool prove(SessionId session, std::uint64_t counter, access::Proof password) = 0;
 
    protected:
@@ -110,6 +111,8 @@ class StatusGrants {
 
  private:
   void prove(StatusRequest request, access::Proof password);
+  void prove_next();
+  void settle(SessionId session, std::uint64_t counter, std::optional<access::Proof> proof);
   std::optional<access::LeaseRefusal> too_many_wrong(ServerSession& session,
                                                      access::Status wanted) const;
   bool answer(StatusRequest& request, std::size_t before);
@@ -128,6 +131,7 @@ class StatusGrants {
   StatusLine line_;
   RosterWatch roster_;
   Prover& prover_;
+  bool proving_ = false;  ///< `prover_` derives a proof
   PasswordCheck passwords_;
   SessionStandings standings_;
 };

@@ -51,6 +51,12 @@ bool StatusLine::proving() const {
                              [](const StatusRequest& request) { return !request.proof; });
 }
 
+StatusRequest* StatusLine::first_to_prove() {
+  const auto found = std::ranges::find_if(
+      requests_, [](const StatusRequest& request) { return !request.password.empty(); });
+  return found == requests_.end() ? nullptr : &*found;
+}
+
 bool StatusLine::add(StatusRequest request) {
   if (requests_.size() < longest) {
     request.id = ++last_id_;

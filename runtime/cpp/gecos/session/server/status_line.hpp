@@ -22,8 +22,9 @@ struct StatusRequest {
   double patience = 0;  ///< as the client gave it, in s
   TimePoint give_up{};
   TimePoint arrived{};
-  std::uint64_t id = 0;  ///< the id by which holders deny the request; set by StatusLine::add
-  std::optional<access::Proof> proof{};  ///< nullopt while the proof is derived from the password
+  std::uint64_t id = 0;      ///< the id by which holders deny the request; set by StatusLine::add
+  access::Proof password{};  ///< empty if there is none, or since the derivation of `proof` began
+  std::optional<access::Proof> proof{};  ///< nullopt until it is derived from the password
   bool compared = false;  ///< the password of the request was wrong and was counted as wrong
   /// How many requests wait before this request, as last reported to the client.
   std::optional<std::size_t> reported{};
@@ -50,8 +51,10 @@ class StatusLine {
   /// Returns whether a request or a question about requests waits.
   bool somebody_waits() const { return !requests_.empty() || !questions_.empty(); }
   std::size_t size() const { return requests_.size(); }
-  /// Returns whether the proof of a request is still being derived from its password.
+  /// Returns whether a request has a password from which its proof is not derived yet.
   bool proving() const;
+  /// Returns the first request for which the derivation of the proof has not begun; otherwise null.
+  StatusRequest* first_to_prove();
 
   /// Appends `request`. When too many requests wait already, refuses `request` and returns false.
   bool add(StatusRequest request);
