@@ -5,6 +5,7 @@
 #include <future>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "../media/scratch_directory.hpp"
 #include "../settles.hpp"
@@ -21,12 +22,16 @@ class TellingBroker : public gecos::BrokerServant {
  public:
   enum class Answer { Settled, Provisional, Taken };
   void say(Answer answer) { answer_ = answer; }
-  /// From now on a server that enlists waits for `answer`.
+  /// The next server that enlists waits for `answer`.
   void keep_waiting() { keeps_waiting_ = true; }
   void answer() { answered_.set_value(); }
   /// Called once, before the answer to a server that enlists.
   std::function<void()> on_enlist{};
   int asked() const { return asked_; }
+  std::vector<std::string> withdrawn() {
+    const std::lock_guard lock(mutex_);
+    return withdrawn_;
+  }
   double served_for() const { return served_for_; }
   /// The users whom the server admits, as it said last; "nothing" if it said nothing about that.
   std::string admitted() {
@@ -50,18 +55,23 @@ class TellingBroker : public gecos::BrokerServant {
   gecos::Result<std::optional<double>> enlist(
       const gecos::Entry& what, double served_for,
       const std::optional<gecos::AdmittedNames>& admitted) override {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     ++asked_;
     served_for_ = served_for;
     admitted_ = admitted;
     if (on_enlist) std::exchange(on_enlist, nullptr)();
     entry_ = what;
-    if (keeps_waiting_) answered_.get_future().wait();
+    lock.unlock();
+    if (keeps_waiting_.exchange(false)) answered_.get_future().wait();
     if (answer_ == Answer::Settled) return std::nullopt;
     if (answer_ == Answer::Provisional) return std::optional(0.01);
     return tl::unexpected(gecos::Fault(gecos::NameTaken{what.name, "the other one, pid 4711"}));
   }
-  gecos::Result<void> withdraw(const std::string&) override { return {}; }
+  gecos::Result<void> withdraw(const std::string& name) override {
+    const std::lock_guard lock(mutex_);
+    withdrawn_.push_back(name);
+    return {};
+  }
   gecos::Result<std::vector<gecos::SilentObject>> silent() override { return {}; }
   gecos::Result<std::vector<gecos::Entry>> query(const std::string&) override { return {}; }
   gecos::Result<gecos::ListChanges> changes(const gecos::ListRevision&) override { return {}; }
@@ -84,6 +94,7 @@ class TellingBroker : public gecos::BrokerServant {
   std::atomic<double> served_for_{0};            // publishes nothing but itself
   std::mutex mutex_;
   gecos::Entry entry_;
+  std::vector<std::string> withdrawn_;
   std::optional<gecos::AdmittedNames> admitted_;
 };
 
@@ -91,17 +102,23 @@ class Named : public probe::NothingLeftOpen {
  protected:
   using Answer = TellingBroker::Answer;
 
-  void serve(Answer first) {
+  void serve_broker(Answer first) {
     broker_.say(first);
     gecos::ObjectOptions well_known;
-    well_known.well_known = true;
+    well_known.well_known = well_known.thread_safe = true;
     well_known.media = {gecos::media::Kind::Inproc};
     ASSERT_TRUE(broker_server_.add("BROKER", broker_, well_known));
+  }
+  tl::expected<void, gecos::ServeError> add_probe() {
     gecos::ObjectOptions options;
     options.simulated = options.thread_safe = true;
     options.media = {gecos::media::Kind::Inproc};
     options.on_stop = [this] { stopped_ = true; };
-    ASSERT_TRUE(server_.add("PROBE", servant_, options));
+    return server_.add("PROBE", servant_, options);
+  }
+  void serve(Answer first) {
+    serve_broker(first);
+    ASSERT_TRUE(add_probe());
   }
   probe::Probe connect() {
     auto created = lab_.create<probe::Probe>("PROBE");
@@ -159,6 +176,39 @@ TEST_F(Named, AnObjectThatHasItsNameAgainMovesAgain) {
   broker_.say(Answer::Settled);
   ASSERT_TRUE(settles([&] { return gecos::actor(probe).has_value(); }));
   EXPECT_EQ(gecos::describe(probe).get()->registration, "confirmed");
+}
+
+TEST_F(Named, ARegistrationThatIsAnsweredTooLateIsTakenBack) {
+  serve_broker(Answer::Settled);
+  broker_.keep_waiting();
+  const auto late = add_probe();
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().text, "PROBE is not served: the broker did not answer in time");
+  broker_.answer();
+  EXPECT_TRUE(settles([this] { return broker_.withdrawn() == std::vector<std::string>{"PROBE"}; }));
+  EXPECT_TRUE(add_probe());
+}
+
+TEST_F(Named, AnObjectThatIsNotServedAfterAllWaitsForItsHandlers) {
+  serve_broker(Answer::Taken);
+  broker_.keep_waiting();
+  std::promise<void> begun;
+  std::promise<void> may_end;
+  servant_.on_read([&](gecos::IncomingCall call) {
+    begun.set_value();
+    may_end.get_future().wait();
+    call.finish({});
+  });
+  auto added = std::async(std::launch::async, [this] { return add_probe(); });
+  ASSERT_TRUE(settles([this] { return broker_.asked() == 1; }));
+  const auto probe = connect();
+  const auto read = probe.read();
+  begun.get_future().wait();
+  broker_.answer();
+  EXPECT_EQ(added.wait_for(std::chrono::milliseconds(100)), std::future_status::timeout)
+      << "the program may destroy the servant";
+  may_end.set_value();
+  EXPECT_FALSE(added.get());
 }
 
 TEST_F(Named, TheBrokerIsToldWhomTheProgramAdmits) {

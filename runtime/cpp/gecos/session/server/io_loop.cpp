@@ -102,7 +102,10 @@ void IoLoop::run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> starte
                           Starter starter) {
   const bool main = starter == Starter::Poller;
   const auto turn = handler_turn_.load(std::memory_order_relaxed);
-  if (main) handler_turn_.store(turn + 1, std::memory_order_release);
+  if (main) {
+    handled_.store(&object, std::memory_order_relaxed);
+    handler_turn_.store(turn + 1, std::memory_order_release);
+  }
   polling_.unlock();
   object.run_ready(starter, std::move(started));
   if (main) handler_turn_.store(turn + 2, std::memory_order_release);
@@ -356,12 +359,27 @@ bool IoLoop::revoke(const std::shared_ptr<ServerSession>& session, const std::st
   return true;
 }
 
-void IoLoop::withdraw(const ObjectHost& object) {
-  sessions_.for_each([&](const auto& session) {
-    if (session->object().get() == &object) session->gone = true;
-  });
-  suspects_.store(true);
-  event_.notify();
+void IoLoop::withdraw(ObjectHost& object) {
+  do {
+    for (const auto& session : sessions_.all()) {
+      if (session->object().get() != &object || session->gone.exchange(true)) continue;
+      object.depart(session, ObjectHost::Departure::Lost);
+    }
+    suspects_.store(true);
+    event_.notify();
+    std::this_thread::sleep_for(Maintenance::tick / 10);
+  } while (!ended_.load() && may_call(object));
+}
+
+/// Returns whether a thread of this loop may still call the servant of `object`, which is closed. A
+/// polling thread holds `polling_` from the packet of a call until `main_is_inside`. It also holds
+/// `polling_` while it removes lost sessions. So after these sessions are removed, no further
+/// handler of `object` begins.
+bool IoLoop::may_call(const ObjectHost& object) {
+  bool connected = false;
+  sessions_.for_each(
+      [&](const auto& session) { connected = connected || session->object().get() == &object; });
+  return connected || (main_is_inside() && handled_.load() == &object);
 }
 
 void IoLoop::end() {

@@ -38,8 +38,9 @@ class IoLoop {
 
   /// Accepts clients of `object` from now on.
   void serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Acceptor> acceptor);
-  /// Disconnects the clients of `object` and accepts no further clients. @pre `object` is closed
-  void withdraw(const ObjectHost& object);
+  /// Disconnects the clients of `object` and accepts no further clients. Waits until the threads of
+  /// this loop run no handler of `object`. @pre `object` is closed; the caller is no handler of it
+  void withdraw(ObjectHost& object);
   /// Must be called on the maintenance thread after a pause of this process. Calls of a session
   /// then start only after the next heartbeat of the session's client.
   void await_signs_of_life();
@@ -85,6 +86,7 @@ class IoLoop {
   void watch(const std::shared_ptr<ServerSession>& session) GECOS_REQUIRES(polling_);
   void part_from_suspects() GECOS_REQUIRES(polling_);
   void drop_closed_endpoints() GECOS_REQUIRES(polling_);
+  bool may_call(const ObjectHost& object);
   void part_if_lost(const std::shared_ptr<ServerSession>& session);
   TimePoint next_look_at(ServerSession& session, bool sent, TimePoint now) const;
   /// Ends the sessions whose clients are not admitted any more. Returns whether any session was
@@ -100,6 +102,8 @@ class IoLoop {
   EventFd event_;
   std::atomic<bool> ended_{false};              // orders no other memory
   std::atomic<std::uint64_t> handler_turn_{0};  // odd while main_ runs a handler; written by main_
+  /// The object whose handlers `main_` runs, or ran last. `handler_turn_` publishes it.
+  std::atomic<const ObjectHost*> handled_{nullptr};
 
   FutexMutex polling_;  ///< held by the thread that polls
   media::SpinPolicy spin_ GECOS_GUARDED_BY(polling_);

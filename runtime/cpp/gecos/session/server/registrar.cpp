@@ -164,6 +164,9 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
     }
     ObjectHost& object = *registration.object;
     contact_->renew(**broker, deadline);
+    if (lab_->runtime()->clock().now() >= deadline) {
+      return tl::unexpected(std::string("the broker did not answer in time"));
+    }
     if (others_find(registration.entry, **broker)) object.name_confirmation().ask();
     const auto question = object.name_confirmation().question();
     registration.since = lab_->runtime()->clock().since_boot();
@@ -180,8 +183,21 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
     }
     const bool later = enlisted.error().unheard || (*broker)->lost() ||
                        (enlisted.error().taken && becomes_free(registration.entry.name, deadline));
-    if (!later || !rest(look_again_after, deadline)) return tl::unexpected(enlisted.error().text);
+    if (later && rest(look_again_after, deadline)) continue;
+    if (asked->progress().detail < Detail::Done) take_back(**broker, registration.entry.name);
+    return tl::unexpected(enlisted.error().text);
   }
+}
+
+/// Unregisters `name`, because the broker may still carry out a registration that it did not answer
+/// in time. The name would then belong to this process although no object has it.
+void Registrar::take_back(ClientConnection& broker, const std::string& name) {
+  {
+    const MutexLock lock(mutex_);
+    const auto has_name = [&](const Registration& one) { return one.entry.name == name; };
+    if (std::ranges::any_of(registrations_, has_name)) return;
+  }
+  unregister_object(broker, name);
 }
 
 bool Registrar::becomes_free(const std::string& name, TimePoint deadline) const {

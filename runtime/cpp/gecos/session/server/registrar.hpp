@@ -77,6 +77,7 @@ class Registrar {
   Duration served_for(const Registration& registration) const;
   tl::expected<Duration, std::string> register_first(Registration& registration,
                                                      TimePoint deadline);
+  void take_back(ClientConnection& broker, const std::string& name);
   /// Logs a warning, once, if the broker runs as another user, this server admits other users by
   /// the list of its program, and these users cannot reach this server over shm.
   void note_reach(const Registration& registration) GECOS_REQUIRES(mutex_);
