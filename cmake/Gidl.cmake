@@ -7,7 +7,7 @@
 #
 # What your files include from IMPORTS is generated too, once for the whole build: <target> links the target that an
 # earlier gidl_generate made of such a file, or else <target>_imports, which is made here. Included files below ROOT are
-# for another gidl_generate, whose target you link.
+# for another gidl_generate, whose target you link; a file that none of them names is an error at the end of configuring.
 #
 # <target>_json is the library of their JSON, "my/lamp_json.hpp"; it is built where something links it.
 #
@@ -73,8 +73,12 @@ function(gecos_gidl_library target inputs root imports)
   set(makers "")
   set(unmade "")
   foreach(file IN LISTS interfaces)
+    if(file IN_LIST inputs)
+      continue()
+    endif()
     gecos_gidl_is_import("${file}" "${root}" "${imports}" is_import)
-    if(NOT is_import OR file IN_LIST inputs)
+    if(NOT is_import)
+      gecos_gidl_expect_maker(${target} "${file}" "${root}")
       continue()
     endif()
     get_property(maker GLOBAL PROPERTY "gidl maker of ${file}")
@@ -172,6 +176,25 @@ function(gecos_gidl_claim target inputs root imports)
       set_property(GLOBAL PROPERTY "gidl name of ${file}" "${name}")
     endif()
   endforeach()
+endfunction()
+
+# Looks at the end of configuring, since a later gidl_generate may make this file.
+function(gecos_gidl_expect_maker target file root)
+  cmake_path(IS_PREFIX root "${file}" NORMALIZE own)
+  cmake_path(IS_PREFIX GECOS_IDL "${file}" NORMALIZE ours)
+  cmake_path(IS_PREFIX GECOS_PYTHON "${file}" NORMALIZE of_gidl)
+  if(own AND NOT ours AND NOT of_gidl)
+    cmake_language(EVAL CODE
+      "cmake_language(DEFER DIRECTORY [[${CMAKE_SOURCE_DIR}]] CALL gecos_gidl_check_maker [[${target}]] [[${file}]])")
+  endif()
+endfunction()
+
+function(gecos_gidl_check_maker target file)
+  get_property(maker GLOBAL PROPERTY "gidl maker of ${file}")
+  if(NOT maker)
+    message(FATAL_ERROR "gidl_generate(${target}): nothing makes the headers of ${file}, which a file of ${target} includes; "
+                        "name it in gidl_generate(${target}), or in another gidl_generate whose target you link")
+  endif()
 endfunction()
 
 # Headers of one file have one name in a build.

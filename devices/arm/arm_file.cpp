@@ -182,8 +182,8 @@ constexpr Key place{"place",
                     "a text that says where the arm stands, for example \"an RX90 stands on the "
                     "floor\""};
 constexpr Key tool{"tool",
-                   "a table for the tool: the line [tool] at the end of this file and, below it, "
-                   "offset_mm, speed_m_per_s, acceleration_m_per_s2, turn_speed_deg_per_s and "
+                   "a table for the tool: add the line [tool] at the end of this file, and below "
+                   "it offset_mm, speed_m_per_s, acceleration_m_per_s2, turn_speed_deg_per_s and "
                    "turn_acceleration_deg_per_s2"};
 constexpr Key offset_mm{"offset_mm",
                         "a list of x, y and z of the tool frame, seen from the flange, in mm"};

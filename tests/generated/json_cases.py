@@ -52,8 +52,8 @@ REFUSED = [
     (
         "Holds",
         '{"form": {"tag": "RED"}}',
-        "form: the member 'value' is missing: the tag of this union selects an arm, which has a "
-        "value",
+        "form: the member 'value' is missing: the tag of this union selects an arm, and each "
+        "arm has a value",
     ),
     (
         "Gap",

@@ -104,6 +104,18 @@ def test_two_names_of_one_file_are_refused(here: Path) -> None:
     assert "shapes/ball.idl here and ball.idl for ball" in refusal(here, first + ONE)
 
 
+def test_an_included_file_that_no_call_makes_is_named(here: Path) -> None:
+    (here / "own/lab/room.gidl").write_text(
+        '#include "lab/lamp.gidl"\nmodule lab { @final struct Room { lab::Lamp light; }; };\n'
+    )
+    room = 'gidl_generate(room "own/lab/room.gidl" ROOT own IMPORTS far)\n'
+    said = refusal(here, room)
+    assert f"nothing makes the headers of {here}/own/lab/lamp.gidl, which a file of room" in said
+    assert "name it in gidl_generate(room), or in another gidl_generate" in said
+    run = configured(here, room + ONE, "CXX")  # the order is free
+    assert run.returncode == 0, run.stderr
+
+
 def test_what_is_not_there_is_named(here: Path) -> None:
     assert "ROOT" in refusal(here, "gidl_generate(lamp own/lab/lamp.gidl ROOT nowhere)\n")
     assert "does not exist" in refusal(here, "gidl_generate(lamp gone.gidl)\n")

@@ -77,7 +77,7 @@ SAID = {
     "@qos(depth)": "only a stream keeps earlier samples\nleave out 'depth'",
     "@qos(start_by)": "only a call waits to be started\n"
     "write 'lifespan' to limit the age of a sample",
-    "@qos(deadline)": "only the watchdog limits the silence of the clients that send\n"
+    "@qos(deadline)": "the time between two samples of a client is limited by 'watchdog' alone\n"
     "write 'watchdog' in @stream",
 }
 

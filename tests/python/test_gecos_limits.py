@@ -105,6 +105,13 @@ def test_an_argument_that_is_no_text_is_named(
     assert json.loads(out)["error"]["text"] == said
 
 
+def test_a_password_of_the_environment_that_is_no_text_is_refused(
+    monkeypatch: pytest.MonkeyPatch, run: Run
+) -> None:
+    monkeypatch.setenv("GECOS_PASSWORD", "\udcff")
+    assert run("ls") == (2, "", "gecos: GECOS_PASSWORD is not UTF-8; give valid UTF-8\n")
+
+
 class FastStream:
     """A stream that has the next event at once, and never an end."""
 

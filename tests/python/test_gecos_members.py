@@ -229,6 +229,16 @@ def test_call_of_a_motion_that_is_only_slowed_down_says_nothing(arm: Arm, run: R
     assert "paused" not in said[2]
 
 
+def test_a_status_is_shared_by_the_password_of_the_environment(
+    arm: Arm, lab: gecos.Lab, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ("set", "ARM", "tool_offset", json.dumps(HOME))
+    with gecos.Lab() as other, gecos.actor(other.dynamic("ARM"), "shared"):
+        assert run(*words)[0] == 5
+        monkeypatch.setenv("GECOS_PASSWORD", "shared")
+        assert run(*words)[0] == 0
+
+
 def test_call_takes_parameters_one_by_one(arm: Arm, run: Run) -> None:
     code, out, _ = run("call", "ARM", "move", f"goal={json.dumps(GOAL)}", "--json")
     finished = {"name": "ARM", "operation": "move", "state": "FINISHED", "result": None}

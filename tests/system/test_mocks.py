@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -158,6 +159,16 @@ def test_answers_lie_within_their_ranges(mock: Mock, client: gecos.Lab, mocks: P
     seen = changer.inspect().result()
     assert seen.worst == worn and seen.both_ends == [worn, worn]
     assert seen.pulls.tolist() == [[5.0] * 3] * 2
+
+
+def test_describe_shows_the_enumerator_of_a_reading(
+    mock: Mock, lab_with_broker: Laboratory
+) -> None:
+    mock("workshop")
+    described = lab_with_broker.run(sys.executable, "-m", "gecos.cli", "describe", "CHANGER")
+    assert "  seat: workshop::Fit = LOOSE" in described.lines
+    as_json = lab_with_broker.run(*described.command, "--json")
+    assert json.loads(as_json.output())["readings"]["seat"] == "LOOSE"
 
 
 def test_what_is_set_is_what_is_got_and_published(

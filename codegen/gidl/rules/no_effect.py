@@ -139,7 +139,7 @@ NO_EFFECT = (
         "qos",
         "deadline",
         _is_inward,
-        "only the watchdog limits the silence of the clients that send",
+        "the time between two samples of a client is limited by 'watchdog' alone",
         "write 'watchdog' in @stream",
     ),
     Term(

@@ -94,11 +94,11 @@ void master(std::string_view name) = delete;  // give a proxy, from lab.create
 /// Stops the object for all clients: ends every lease except those of this session, removes all
 /// queued commands and interrupts the running commands.
 Command<void> stop(const Object& object);
-/// Takes sole command of a status that this session shares with other clients by password. The
+/// Takes sole command of a status that other clients share with this session, by its password. The
 /// running and queued commands of the other clients end as PREEMPTED. Until `give_back`, or until
-/// the status of this session ends, their new commands end as DENIED and their samples have no
-/// effect. Stops no command of this session. Fails as FAULT (StatusRefused) when this session has
-/// no status or another client has taken over.
+/// the status of this session ends, new commands of the other clients end as DENIED, and their
+/// samples have no effect. The commands of this session go on. The returned command fails as FAULT
+/// (StatusRefused) if this session has no status or another client has taken over.
 Command<void> take_over(const Object& object);
 /// Ends the take-over of this session, so that the other clients may issue commands again. The
 /// commands that the take-over ended are not started again. Does nothing if this session has not

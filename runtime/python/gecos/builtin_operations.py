@@ -34,13 +34,13 @@ def stop(robot: Object) -> Command[None]:
 
 
 def take_over(robot: Object) -> Command[None]:
-    """Takes sole command of a status that this program shares with other clients by password. The
-    running and queued commands of the other clients end as PREEMPTED. Until `give_back`, or until
-    the status of this program ends, their new commands end as DENIED and their samples have no
-    effect. Stops no command of this program.
+    """Takes sole command of a status that other clients share with this program, by its password.
+    The running and queued commands of the other clients end as PREEMPTED. Until `give_back`, or
+    until the status of this program ends, new commands of the other clients end as DENIED, and
+    their samples have no effect. The commands of this program go on.
 
-    The command fails with StatusRefused if this program has no status of the device, or if another
-    client has taken over.
+    The returned command fails with StatusRefused if this program has no status of the device, or if
+    another client has taken over.
     """
     return _answers_of(robot, "take_over").take_over()
 

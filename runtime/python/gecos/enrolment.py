@@ -155,8 +155,8 @@ def join(url: JoinUrl, owner: str) -> Party:
         raise EnrolmentError(f"the answer is not from the laboratory of the link; {ANOTHER}")
     if laboratory.owner == owner:
         raise EnrolmentError(
-            f"the user of the laboratory is {owner}, too; give another name for yourself by --as "
-            "USER@HOST"
+            f"you and the user of the laboratory are both called {owner}; give yourself another "
+            "name by --as USER@HOST"
         )
     return laboratory
 

@@ -215,9 +215,9 @@ TEST(ArmFile, AFileWithoutATableForTheToolIsToldWhatIsMissingAndWhere) {
   const Parsed arm = parse(good.substr(0, good.find("[tool]")));
   ASSERT_FALSE(arm);
   EXPECT_EQ(to_string(arm.error()),
-            "arm.toml:1: tool: this key is missing; give a table for the tool: the line [tool] at "
-            "the end of this file and, below it, offset_mm, speed_m_per_s, acceleration_m_per_s2, "
-            "turn_speed_deg_per_s and turn_acceleration_deg_per_s2");
+            "arm.toml:1: tool: this key is missing; give a table for the tool: add the line "
+            "[tool] at the end of this file, and below it offset_mm, speed_m_per_s, "
+            "acceleration_m_per_s2, turn_speed_deg_per_s and turn_acceleration_deg_per_s2");
 }
 
 TEST(ArmFile, WhatIsNotTomlIsRefusedWithItsLine) {

@@ -305,8 +305,8 @@ bool JsonReader::expect_arm(bool selected) const {
   }
   return !selected || data_->contains("value") ||
          fail(
-             "the member 'value' is missing: the tag of this union selects an arm, which has a "
-             "value");
+             "the member 'value' is missing: the tag of this union selects an arm, and each arm "
+             "has a value");
 }
 
 std::optional<JsonReader> JsonReader::find(std::string_view name) const {

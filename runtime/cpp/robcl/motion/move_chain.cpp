@@ -187,8 +187,8 @@ std::optional<double> MoveChain::time_at(double s) const {
   return begins_ + plan_.law.time_at(s);
 }
 
-/// Returns the first knot, not before the entry of plan_, that the motion passes at `time` or
-/// later; nullopt if this knot is behind `last_place`.
+/// Returns the first knot that the motion passes at `time` or later. Searches from the entry of
+/// plan_ to `last_place`; returns nullopt if no knot between them is passed so late.
 std::optional<std::size_t> MoveChain::first_knot_after(double time, double last_place) const {
   for (std::size_t i = plan_.entry; plan_.path.place(i) <= last_place; ++i) {
     if (begins_ + plan_.law.time(i) >= time) return i;

@@ -101,8 +101,8 @@ class ForwardPass {
       const double then = std::max(some, before.greatest) - change;
       return ceiling_.admits(here, {some, infinite, then, smoothing_.window, true});
     });
-    // If the limit of jerk allows no value, the motion exceeds the limit of jerk here, because the
-    // motion must not stop before its goal.
+    // If no acceleration keeps the limit of jerk, the motion exceeds this limit here, because it
+    // must not stop before its goal.
     const double slower = -here.x / (4 * bounds_.step(knot));  // halves (ds/dt)²
     return std::clamp(std::max(u, slower), allowed.lower, allowed.upper);
   }

@@ -155,15 +155,21 @@ def _nowhere() -> TextIO:
 
 
 def _refuse_bytes() -> None:
-    """Raises UsageFailure if an argument is not UTF-8. Python has lone surrogates in place of such
-    bytes, which no text of gecos may contain."""
+    """Raises UsageFailure if an argument or the password in the environment is not UTF-8."""
     for word in sys.argv[1:]:
-        try:
-            word.encode()
-        except UnicodeEncodeError:
-            raise UsageFailure(
-                f"the argument {os.fsencode(word)!r} is not UTF-8; give valid UTF-8"
-            ) from None
+        if not _is_utf8(word):
+            raise UsageFailure(f"the argument {os.fsencode(word)!r} is not UTF-8; give valid UTF-8")
+    if not _is_utf8(os.environ.get("GECOS_PASSWORD", "")):
+        raise UsageFailure("GECOS_PASSWORD is not UTF-8; give valid UTF-8")
+
+
+def _is_utf8(word: str) -> bool:
+    """Returns False if Python has lone surrogates in `word`, in place of bytes that are no text."""
+    try:
+        word.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _tell(error: Exception) -> None:

@@ -24,8 +24,8 @@ _READ_WITHIN = 0.5  # s in which an object must answer; a value that comes later
 def describe(name: str, broker: str | None, as_json: bool) -> None:
     """Shows the type and state of an object, and its operations, attributes and streams.
 
-    Shows the value of each readonly attribute that is a number, a boolean or a text, has no stream
-    and needs no status.
+    Shows the value of each readonly attribute that is a number, a boolean, a text or an enumerator,
+    has no stream and needs no status.
     """
     import gecos
     from gecos.dynamic_client import read_model
@@ -57,7 +57,9 @@ def _readings(lab: Lab, name: str, model: Model, models: list[str]) -> dict[str,
     from gecos.dynamic_client.proxy import proxy_class
     from gecos.errors import CommandFailed, ConnectionFailed, CreateError
 
-    shown = [each.name for each in model.members if isinstance(each, Attribute) and _tells(each)]
+    shown = [
+        each.name for each in model.members if isinstance(each, Attribute) and _tells(each, model)
+    ]
     if not shown:
         return {}
     try:
@@ -68,19 +70,23 @@ def _readings(lab: Lab, name: str, model: Model, models: list[str]) -> dict[str,
     values: dict[str, Any] = {}
     for attribute, command in [(each, by_name.read(robot, each)) for each in shown]:
         try:
-            values[attribute] = command.result(max(0.0, until - time.monotonic()))
+            values[attribute] = plain(command.result(max(0.0, until - time.monotonic())))
         except (TimeoutError, CommandFailed, ConnectionFailed):
             continue
     return values
 
 
-def _tells(attribute: Attribute) -> bool:
+def _tells(attribute: Attribute, model: Model) -> bool:
     """Returns whether an attribute is a single value that any client may read and nobody sets."""
+    from gecos.dynamic_client.model import Enumeration
+
+    use, _ = model.resolved(attribute.result.use)
+    single = use.kind in {"primitive", "string"}
     return (
         attribute.can_be_read
         and attribute.readonly
         and attribute.stream is None
         and attribute.access == 0
-        and attribute.result.use.kind in {"primitive", "string"}
+        and (single or isinstance(model.types.get(use.name), Enumeration))
         and not attribute.result.secret
     )

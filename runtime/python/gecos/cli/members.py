@@ -30,7 +30,12 @@ if TYPE_CHECKING:
     from gecos.stream import Sample
 
 password_option = click.option(
-    "--password", default="", help="Share the status with clients that give the same password."
+    "--password",
+    default="",
+    envvar="GECOS_PASSWORD",
+    show_envvar=True,
+    help="Share the status with clients that give the same password. The list of processes shows "
+    "the arguments of a program to all users, but not its environment.",
 )
 timeout_option = click.option(
     "--timeout", type=Number(), help="Seconds to wait; the default is no limit."

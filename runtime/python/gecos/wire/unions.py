@@ -175,8 +175,8 @@ class UnionLayout:
         if "value" not in data:
             raise JsonError(
                 path,
-                "the member 'value' is missing: the tag of this union selects an arm, which has a "
-                "value",
+                "the member 'value' is missing: the tag of this union selects an arm, and each "
+                "arm has a value",
             )
         return self.kind(tag, self.arms[arm - 1].kind.made(data["value"], below(path, "value")))
 

@@ -154,8 +154,8 @@ class PendingCommand final : public CommandCore {
   Bytes feedback_ GECOS_GUARDED_BY(mutex_);
   ShortBytes result_;  ///< `result_` and `failure_` are written once, before detail_ is terminal
   Failure failure_;
-  /// Name of the operation for the log, for example "RX90.move". Set when the command fails while
-  /// the program has not observed it.
+  /// Name of the operation for the log, for example "RX90.move". Empty until the command fails
+  /// before the program has asked for its result.
   std::string about_;
   /// True when the command is registered as a watcher of its session
   /// (ConnectionReader::add_watcher), because the program awaits the end of the command by a

@@ -17,11 +17,11 @@ std::string stood_still_for(Duration pause);
 /// Detects a pause: a time in which this process did not run, because of SIGSTOP, because the
 /// machine was suspended, or because the process got no core.
 ///
-/// At each tick the maintenance thread records the time at which the next tick is due. If that tick
-/// comes more than `longest_gap` late, or has not come by then, there was a pause. The thread may
-/// sleep for 25 to 125 ms between two ticks. This sleep must not hide a pause, so only its first 25
-/// ms count as expected. A pause that begins with the sleep is therefore noticed if it takes more
-/// than 525 ms; a pause at the end of a sleep of 125 ms is noticed if it takes more than 400 ms.
+/// Before each sleep the maintenance thread records the time at which its next tick is due. A sleep
+/// must not hide a pause, so for a sleep of 25 to 125 ms the recorded time is 25 ms from now. If
+/// the next tick comes more than `longest_gap` (500 ms) after the recorded time, or has not come by
+/// then, there was a pause. So a pause that begins with the sleep is noticed if it takes more than
+/// 525 ms, and one that begins at the end of a sleep of 125 ms if it takes more than 400 ms.
 /// After a pause no call may start until the maintenance thread has judged the pause: packets that
 /// wait to be read may be as old as the pause, and peers may have died during the pause. All times
 /// are times of CLOCK_BOOTTIME.

@@ -15,7 +15,7 @@ def runtime_directory(problem: str | None, where: str) -> Finding:
     """Checks the runtime directory. `problem` says why the runtime refuses it; None if the runtime
     accepts it."""
     if problem is None:
-        return fine("runtime directory", "only this user can write to it", where)
+        return fine("runtime directory", "only you can write to this folder", where)
     text = problem.removeprefix("shm: ")
     what, closing, _ = text.partition("; run:  chmod ")
     # The command in `problem` is replaced, because the runtime does not quote the path in it.
