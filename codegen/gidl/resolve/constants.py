@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gidl.diagnostics.findings import Findings
 from gidl.diagnostics.source import Span
@@ -16,6 +16,9 @@ from gidl.syntax.tree import Binary, Expression, Literal, NameUse, RefusedValue,
 class Computed:
     kind: str  # one of "bool" "int" "float" "string" "char" "enum"
     value: Value
+    # True: an integer that an operator computed from two integers. It must not become a
+    # floating-point number: 1 / 2 is 0, where a reader expects 0.5.
+    is_arithmetic: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,9 +45,30 @@ def compute(
     `look_up` returns the value of a constant or enumerator, or reports a finding and returns None.
     """
     try:
-        return _Calculator(look_up, findings, arithmetic).value(expression)
+        found = _Calculator(look_up, findings, arithmetic).value(expression)
     except _Failed:
         return None
+    return replace(found, is_arithmetic=found.kind == "int" and _has_operands(expression))
+
+
+def _has_operands(expression: Expression) -> bool:
+    """Returns whether the expression is computed from two operands, for example `-(1 / 2)`."""
+    while isinstance(expression, Unary):
+        expression = expression.operand
+    return isinstance(expression, Binary)
+
+
+def refuse_arithmetic(found: Computed, at: Span, findings: Findings) -> bool:
+    """Reports integer arithmetic whose result would become a floating-point number. Returns whether
+    there is a finding."""
+    if found.is_arithmetic:
+        findings.error(
+            "G0304",
+            at,
+            "the operands are integers, but the value must be a floating-point number",
+            "write the operands with a decimal point, for example 1.0 / 2.0",
+        )
+    return found.is_arithmetic
 
 
 def computed(value: Value) -> Computed:

@@ -42,7 +42,7 @@ from gidl.resolve.constants import computed, is_character
 from gidl.resolve.quantities import cpp_type, python_type
 from gidl.resolve.scopes import Names, Scope, Symbol
 from gidl.resolve.values import Marks, ValueResolver
-from gidl.resolve.vocabulary import Vocabulary
+from gidl.resolve.vocabulary import Applied, Vocabulary
 from gidl.syntax.tree import (
     BasicType,
     BitfieldSyntax,
@@ -281,10 +281,8 @@ class TypeResolver(ValueResolver):
                 "G0307", written.span, f"'@{written.name}' can only limit a number", hint
             )
             return None
-        minimum = both.arguments["min"] if both else low.arguments["value"] if low else None
-        maximum = both.arguments["max"] if both else high.arguments["value"] if high else None
-        least = self._bound_value(minimum, target, (both or low or written).span)
-        most = self._bound_value(maximum, target, (both or high or written).span)
+        least = self._limit(both or low, "min" if both else "value", target)
+        most = self._limit(both or high, "max" if both else "value", target)
         if least is not None and most is not None and least > most:
             self._findings.error(
                 "G0307", written.span, f"no number is between {least} and {most}", "swap the bounds"
@@ -314,13 +312,16 @@ class TypeResolver(ValueResolver):
             target = self._target(target.element)
         return target, inherited
 
-    def _bound_value(self, value: Value | None, target: Type, span: Span) -> int | float | None:
-        if value is None:
+    def _limit(self, applied: Applied | None, argument: str, target: Type) -> int | float | None:
+        """Returns the limit that an argument of @range, @min or @max sets for numbers of the type
+        `target`. Returns None without a limit, or after a finding."""
+        if applied is None:
             return None
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            self._findings.error("G0307", span, "a limit of this range is not a number")
+        limit = applied.computed(argument)
+        if limit.kind not in ("int", "float"):
+            self._findings.error("G0307", applied.span, "a limit of this range is not a number")
             return None
-        fitted = self._fit(computed(value), target, span)
+        fitted = self._fit(limit, target, applied.span)
         return fitted if isinstance(fitted, int | float) else None
 
     def _default(self, marks: Marks, used: Type) -> Value | None:
@@ -341,7 +342,7 @@ class TypeResolver(ValueResolver):
             return None
         if target == PrimitiveType(Primitive.CHAR) and is_character(value):
             return value
-        return self._fit(computed(value), target, applied.span)
+        return self._fit(applied.computed(), target, applied.span)
 
     # -- union ---------------------------------------------------------------------------------
 

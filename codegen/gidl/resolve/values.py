@@ -23,13 +23,19 @@ from gidl.model import (
     Type,
     Value,
 )
-from gidl.resolve.constants import Arithmetic, Computed, compute, computed, describe_kind
+from gidl.resolve.constants import (
+    Arithmetic,
+    Computed,
+    compute,
+    computed,
+    describe_kind,
+    refuse_arithmetic,
+)
 from gidl.resolve.scopes import TYPE_KINDS, Names, Scope, Symbol
 from gidl.resolve.vocabulary import Applied, Parameter, Vocabulary, value_hint
 from gidl.syntax.tree import (
     AnnotationUse,
     BasicType,
-    Binary,
     Declarator,
     Expression,
     Extras,
@@ -187,15 +193,6 @@ class ValueResolver(ABC):
         found = self._compute(expression, scope, _arithmetic(target))
         if found is None:
             return None
-        is_floating = isinstance(target, PrimitiveType) and target.kind.is_floating
-        if is_floating and found.kind == "int" and isinstance(expression, Binary):
-            self._findings.error(
-                "G0304",
-                expression.span,
-                "the operands are integers, but the value must be a floating-point number",
-                "write the operands with a decimal point, for example 1.0 / 2.0",
-            )
-            return None
         return self._fit(found, target, expression.span)
 
     def _fit(self, found: Computed, wanted: Type, span: Span) -> Value | None:
@@ -207,6 +204,8 @@ class ValueResolver(ABC):
             case PrimitiveType(Primitive.CHAR):
                 fits, what = found.kind == "char", "a character"
             case PrimitiveType(kind) if kind.is_floating:
+                if refuse_arithmetic(found, span, self._findings):
+                    return None
                 if found.kind in ("int", "float"):
                     return self._fit_float(found, kind, span)
                 fits, what = False, "a floating-point number"

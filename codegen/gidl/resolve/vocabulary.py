@@ -8,13 +8,13 @@ annotation may annotate, so annotation_places.py lists them.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 
 from gidl.diagnostics.findings import Findings, Note
 from gidl.diagnostics.source import Span
 from gidl.model import Primitive, PrimitiveType, StringType, Type, Value
-from gidl.resolve.constants import Computed, describe_kind
+from gidl.resolve.constants import Computed, computed, describe_kind, refuse_arithmetic
 from gidl.syntax.annotation_places import PLACES
 from gidl.syntax.tree import AnnotationUse
 
@@ -73,9 +73,13 @@ class Applied:
     arguments: Mapping[str, Value]
     written: frozenset[str]  # names of the arguments that were written
     span: Span
+    arithmetic: frozenset[str] = frozenset()  # names of the arguments such as 1 / 2
 
     def text(self, name: str = "value") -> str:
         return str(self.arguments.get(name, ""))
+
+    def computed(self, name: str = "value") -> Computed:
+        return replace(computed(self.arguments[name]), is_arithmetic=name in self.arithmetic)
 
 
 class Vocabulary:
@@ -142,6 +146,7 @@ class Vocabulary:
             self._findings.error("G0503", given[1][2], message, f"write {_example(declared)}")
             return None
         arguments: dict[str, Value] = {}
+        arithmetic: set[str] = set()
         for name, value, span in given:
             parameter = self._parameter(name, parameters, declared, span)
             if parameter is None:
@@ -155,6 +160,8 @@ class Vocabulary:
             if fitted is None:
                 return None
             arguments[parameter.name] = fitted
+            if value.is_arithmetic:
+                arithmetic.add(parameter.name)
         written = frozenset(arguments)
         for parameter in declared.parameters:
             if parameter.name in arguments:
@@ -168,7 +175,7 @@ class Vocabulary:
                 )
                 return None
             arguments[parameter.name] = parameter.default
-        return Applied(declared.name, arguments, written, use.span)
+        return Applied(declared.name, arguments, written, use.span, frozenset(arithmetic))
 
     def _parameter(
         self, name: str | None, parameters: dict[str, Parameter], declared: Declared, span: Span
@@ -209,7 +216,8 @@ class Vocabulary:
         wanted, fits = _wanted(parameter, given)
         if fits:
             if isinstance(given.value, int) and wanted == "a floating-point number":
-                return float(given.value)
+                refused = refuse_arithmetic(given, span, self._findings)
+                return None if refused else float(given.value)
             return given.value
         hint = ""
         if given.value in parameter.literals:
