@@ -1,5 +1,6 @@
 """Rule: a member must not promise less quality than its interface, and an interface must not
-promise less quality than its bases."""
+promise less quality than any of its bases. An interface that declares no quality can do so, too: it
+inherits each term from the first base that has the term."""
 
 from __future__ import annotations
 
@@ -10,14 +11,25 @@ from gidl.diagnostics.findings import Findings, Note
 from gidl.model import Attribute, Facts, Interface, Model, Operation
 from gidl.model.policy import Qos
 
+_OF_MEMBER = (
+    "give the member a quality that is at least that of its interface, weaken the quality of the "
+    "interface, or move the member to another interface"
+)
+_OF_BASE = (
+    "write @qos before the interface, with a quality that is at least that of every base: a term "
+    "that is left out is inherited from the first base that has it"
+)
+
 
 def check(model: Model, findings: Findings) -> None:
     for interface in model.interfaces():
         for base in interface.bases:
-            above = model.interface(base)
-            _compare(interface.simple_name, interface.qos, interface.facts, above, findings)
+            name, above = interface.simple_name, model.interface(base)
+            _compare(name, interface.qos, interface.facts, above, _OF_BASE, findings)
         for member in interface.members:
-            _compare(member.name, _comparable(member), member.facts, interface, findings)
+            if member.facts.has("qos"):
+                own = _comparable(member)
+                _compare(member.name, own, member.facts, interface, _OF_MEMBER, findings)
 
 
 def _comparable(member: Operation | Attribute) -> Qos:
@@ -32,16 +44,15 @@ def _comparable(member: Operation | Attribute) -> Qos:
     return own
 
 
-def _compare(name: str, own: Qos, facts: Facts, above: Interface, findings: Findings) -> None:
-    if not facts.has("qos"):
-        return
+def _compare(
+    name: str, own: Qos, facts: Facts, above: Interface, advice: str, findings: Findings
+) -> None:
     for said in _weaker(own, above.qos):
         findings.error(
             "G0413",
             facts.place_of("qos"),
             f"'{name}' promises less than interface '{above.simple_name}': {said}",
-            "give the member a quality that is at least that of its interface, weaken the quality "
-            "of the interface, or move the member to another interface",
+            advice,
             notes=(Note("promised here", above.facts.place_of("qos")),),
         )
 
