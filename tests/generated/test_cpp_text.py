@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
 from gecos.proxy import Object
 from gecos.servant import Servant
 from generating import TREE
@@ -34,6 +35,25 @@ def test_fields_of_any_width_are_read_with_literals_that_fit(tmp_path: Path) -> 
     assert 2**62 in decimals
     assert max(decimals) < 2**63
     assert "v = static_cast<std::int64_t>((raw >> 0) & 0xffffffffffffffffU);" in text
+
+
+@pytest.mark.parametrize("first", ["A", "B"])
+def test_structs_that_contain_each_other_are_checked_before_they_are_sent(
+    first: str, tmp_path: Path
+) -> None:
+    """Only A has a member that can be wrong. Whichever struct is declared first, a B that contains
+    such an A is refused."""
+    structs = {
+        "A": "struct A { sequence<B> bs; @range(min=0, max=1) double x; };",
+        "B": "struct B { sequence<A> parts; };",
+    }
+    last = "B" if first == "A" else "A"
+    calls = "interface I { @actor void f(in B whole); };"
+    text = f"struct A; struct B; {structs[first]} {structs[last]} {calls}"
+    types = sources(tmp_path, text)["types.cpp"]
+    for name in structs:
+        body = types.partition(f"gecos_violation(const {name}& value) {{\n")[2]
+        assert "gecos_violation(item)" in body.partition("\n}\n")[0]
 
 
 # Members and parameters of these names make gidl choose other names for its own variables.

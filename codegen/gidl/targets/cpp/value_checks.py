@@ -37,7 +37,20 @@ Refuse = Callable[[str], str]
 class Checks(Types):
     def __init__(self, model: Model, layout: Layout) -> None:
         super().__init__(model, layout)
-        self._checked: dict[str, bool] = {}
+        self._checked: set[str] = set()  # structs that can have values that must not be sent
+        self._find_checked()
+
+    def _find_checked(self) -> None:
+        """Fills `_checked`: first with the structs whose own members need checks, then with the
+        structs that contain these, and so on. Structs may contain each other."""
+        generated = {
+            name: struct.fields
+            for name, struct in self.layout.structs.items()
+            if names.hand_written(self.model.find(name)) is None
+        }
+        while found := {name for name, fields in generated.items() if self.have_checks(fields)}:
+            self._checked |= found
+            generated = {n: fields for n, fields in generated.items() if n not in found}
 
     def have_checks(self, fields: tuple[FieldLayout, ...]) -> bool:
         """Returns whether `fields` can have values that must not be sent."""
@@ -54,19 +67,11 @@ class Checks(Types):
             case EnumNode(name):
                 return isinstance(self.model.find(name), Bitset)
             case StructNode(name) | AppendableNode(name):
-                return self._type_has_checks(name)
+                return name in self._checked
             case SequenceNode(element, bound):
                 return bound is not None or self._has_checks(element)
             case ArrayNode(element=element) | OptionalNode(element):
                 return self._has_checks(element)
-
-    def _type_has_checks(self, name: str) -> bool:
-        if name not in self._checked:
-            self._checked[name] = False  # ends the recursion of a type that contains itself
-            by_hand = names.hand_written(self.model.find(name)) is not None
-            fields = self.layout.structs[name].fields
-            self._checked[name] = not by_hand and self.have_checks(fields)
-        return self._checked[name]
 
     def check(self, slot: Slot, local: Locals, refuse: Refuse = lambda text: text) -> list[str]:
         """Returns statements that return `refuse(reason)` if the value of the slot must not be
