@@ -1,11 +1,21 @@
-"""Rule: only an `in` parameter may have a default; an operation with @unit or @optional must have a
-result."""
+"""Rule: only an `in` parameter may have a default; an operation with an annotation that is about
+its result, such as @unit, must have a result."""
 
 from __future__ import annotations
 
 from gidl.diagnostics.findings import Findings
 from gidl.model import Direction, Model, Operation
 from gidl.rules.walk import members
+
+# The annotations of an operation that are about its result, and the codes of their findings.
+_OF_A_RESULT = {
+    "unit": "G0509",
+    "optional": "G0508",
+    "secret": "G0511",
+    "range": "G0307",
+    "min": "G0307",
+    "max": "G0307",
+}
 
 
 def check(model: Model, findings: Findings) -> None:
@@ -22,15 +32,11 @@ def check(model: Model, findings: Findings) -> None:
                     "leave out the default: only an 'in' parameter can have a default, because "
                     "only the caller may leave out a value",
                 )
-        if member.result is None and member.facts.has("unit"):
-            findings.error(
-                "G0509",
-                member.facts.place_of("unit"),
-                f"'{member.name}' has @unit, but no result",
-            )
-        if member.result is None and member.facts.has("optional"):
-            findings.error(
-                "G0508",
-                member.facts.place_of("optional"),
-                f"'{member.name}' has @optional, but no result",
-            )
+        for annotation, code in _OF_A_RESULT.items():
+            if member.result is None and member.facts.has(annotation):
+                findings.error(
+                    code,
+                    member.facts.place_of(annotation),
+                    f"'{member.name}' has @{annotation}, but no result",
+                    f"write @{annotation} before the parameter that it is about, or leave it out",
+                )
