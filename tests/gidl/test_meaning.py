@@ -315,6 +315,24 @@ class TestFiles:
         model = model_of(tmp_path, '#include "a.gidl"\n#include "b.gidl"\nstruct C { A one; };')
         assert [d.name for d in model.declarations()] == ["A", "C"]
 
+    @pytest.mark.parametrize("asked", [["a"], ["b"], ["a", "b"], ["b", "a"]], ids="-".join)
+    def test_a_struct_is_completed_in_the_file_or_in_what_it_includes(
+        self, tmp_path: Path, asked: list[str]
+    ) -> None:
+        """Otherwise `gidl gen a.gidl b.gidl` would write a header of `a` that lacks the struct."""
+        (tmp_path / "a.gidl").write_text("module m { struct S; struct T { sequence<S> kids; }; };")
+        (tmp_path / "b.gidl").write_text('#include "a.gidl"\nmodule m { struct S { T whole; }; };')
+        compiled = compile_files([str(tmp_path / f"{name}.gidl") for name in asked])
+        (found,) = compiled.findings
+        assert (found.code, found.location and found.location.file) == ("G0113", "a.gidl")
+
+    def test_a_struct_may_be_completed_in_an_included_file(self, tmp_path: Path) -> None:
+        (tmp_path / "whole.gidl").write_text("module m { struct S { long x; }; };")
+        model_of(
+            tmp_path,
+            '#include "whole.gidl"\nmodule m { struct S; struct T { sequence<S> kids; }; };',
+        )
+
     def test_macros_of_an_included_file_are_known(self, tmp_path: Path) -> None:
         (tmp_path / "sizes.gidl").write_text("#pragma once\n#define AXES 6\n")
         struct = model_of(tmp_path, '#include "sizes.gidl"\nstruct S { double x[AXES]; };')

@@ -8,10 +8,10 @@ reported and left out of the model.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from gidl.diagnostics.findings import Findings
+from gidl.diagnostics.findings import Findings, Note
 from gidl.files.loader import VOCABULARY, LoadedFile
 from gidl.model import (
     Annotation,
@@ -34,6 +34,7 @@ from gidl.model import (
 )
 from gidl.resolve.interfaces import InterfaceResolver
 from gidl.resolve.scopes import Names, Scope, Symbol
+from gidl.resolve.values import BY_VALUE
 from gidl.resolve.vocabulary import Declared, Parameter, Vocabulary
 from gidl.syntax.annotation_places import PLACES
 from gidl.syntax.tree import (
@@ -53,6 +54,8 @@ from gidl.syntax.tree import (
     TypedefSyntax,
     UnionSyntax,
 )
+
+_COMPLETE_HERE = "write the full declaration in this file or in a file that this file includes"
 
 
 def resolve(files: Iterable[LoadedFile], vocabulary: FileSyntax, findings: Findings) -> Model:
@@ -81,6 +84,7 @@ class Resolver(InterfaceResolver):
     def model(self, files: Iterable[LoadedFile]) -> Model:
         made: list[File] = []
         places: dict[str, int] = {}
+        visible: dict[str, set[str]] = {}
         for loaded in files:
             self._out = []
             self._modules = []
@@ -91,6 +95,7 @@ class Resolver(InterfaceResolver):
             if loaded.source.path != VOCABULARY:
                 for syntax in loaded.tree.body:
                     self._declaration(syntax, self._names.top)
+            visible[loaded.source.path] = self._names.visible
             places[loaded.source.path] = len(made)
             made.append(
                 File(
@@ -103,6 +108,7 @@ class Resolver(InterfaceResolver):
                 )
             )
         self._report_incomplete(made, places)
+        self._report_completed_elsewhere(visible)
         if self._repository:
             made = [_with_repository(file, self._repository) for file in made]
         return Model(tuple(made))
@@ -237,7 +243,7 @@ class Resolver(InterfaceResolver):
                     "G0113",
                     symbol.span,
                     f"{symbol.kind} '{symbol.name}' is declared forward but never completed",
-                    "write the full declaration in this file or in a file that this file includes",
+                    _COMPLETE_HERE,
                 )
             facts = Facts(symbol.span.location)
             empty: AnyDeclaration
@@ -250,6 +256,22 @@ class Resolver(InterfaceResolver):
             file = files[places[symbol.file]]
             completed = replace(file, declarations=(*file.declarations, empty))
             files[places[symbol.file]] = completed
+
+    def _report_completed_elsewhere(self, visible: Mapping[str, set[str]]) -> None:
+        """Reports structs and unions that a file declares forward, but that are completed in a file
+        that it does not include. Code that is generated from the first file would lack the type.
+        `visible` has, for each file, the paths of the file itself and of its includes."""
+        for symbol, span in self._names.forwards:
+            lacks = symbol.completed_in and symbol.completed_in not in visible[span.source.path]
+            if lacks and symbol.kind in BY_VALUE and symbol.scoped not in self._used_incomplete:
+                self._findings.error(
+                    "G0113",
+                    span,
+                    f"{symbol.kind} '{symbol.name}' is declared forward here, but completed in "
+                    f"{symbol.completed_in}, which this file does not include",
+                    _COMPLETE_HERE,
+                    notes=(Note("completed here", symbol.span.location),),
+                )
 
 
 def _declared_names(body: Iterable[DeclarationSyntax]) -> Iterator[tuple[str, int]]:

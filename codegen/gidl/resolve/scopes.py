@@ -90,6 +90,7 @@ class Names:
         self._findings = findings
         self.top = Scope("", "file")
         self.visible: set[str] = set()
+        self.forwards: list[tuple[Symbol, Span]] = []  # forward declarations, and their places
         self.declared_here: dict[str, int] = {}  # name declared in the current file -> line
         self.cut: list[str] = []  # includes that are read after the current file
         self.lacks_includes = False  # True: an included file was not found
@@ -150,12 +151,14 @@ class Names:
 
     def forward(self, scope: Scope, name: Name, kind: str) -> None:
         known = scope.symbols.get(name.text.lower())
-        if known is not None:
-            if known.kind != "broken" and (known.kind != kind or known.name != name.text):
+        if known is None:
+            known = Symbol(name.text, scope.qualified(name.text), kind, name.span, _file(name))
+            scope.symbols[name.text.lower()] = known
+        elif known.kind != kind or known.name != name.text:
+            if known.kind != "broken":
                 self._clash(known, name, kind)
             return
-        symbol = Symbol(name.text, scope.qualified(name.text), kind, name.span, _file(name))
-        scope.symbols[name.text.lower()] = symbol
+        self.forwards.append((known, name.span))
 
     def _may_redeclare(self, known: Symbol, name: Name, kind: str) -> bool:
         if known.name != name.text or known.kind != kind:

@@ -58,7 +58,7 @@ MAX_ARRAY = 1 << 24  # limit for one array, so that fixed sizes fit 32 bits
 _ROUNDS_TO_ZERO = 2.0**-150
 
 _EXTENSIBILITIES = ("FINAL", "APPENDABLE", "MUTABLE")
-_BY_VALUE = frozenset(("struct", "union"))
+BY_VALUE = frozenset(("struct", "union"))
 _VALUE_KINDS = frozenset(("constant", "enumerator", "flag"))
 
 
@@ -342,7 +342,7 @@ class ValueResolver(ABC):
                 return self._incomplete(self._typedefs[name], in_sequences, True)
             case NamedType(name) if not reported:
                 symbol = self._names.declared(name)
-                if symbol is None or symbol.kind not in _BY_VALUE:
+                if symbol is None or symbol.kind not in BY_VALUE:
                     return None
                 return None if self._names.is_complete(symbol) else symbol
             case ArrayType(element=element):
