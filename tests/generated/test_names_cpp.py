@@ -257,3 +257,32 @@ def test_a_mock_of_whatever_names_compiles(tmp_path: Path) -> None:
     command += ["--lang", "cpp", "--into", str(tmp_path / "mock")]
     subprocess.run(command, check=True, env={**os.environ, "PYTHONPATH": str(TREE / "codegen")})
     compiles(tmp_path / "cpp", f'#include "{tmp_path}/mock/server.cpp"\n')
+
+
+# Unions whose first arm is or contains an array that a mock has to fill.
+CHOSEN = """
+module chosen {
+  union Numbers switch (long) { case 1: @min(1) long x[3]; case 2: string y; };
+  struct Row { @min(2) double cells[2][3]; };
+  union Rows switch (boolean) { case TRUE: Row first; };
+  union Nested switch (long) { case 1: Rows inner[2]; };
+  typedef Numbers Several[4];
+  struct All { Numbers one; Several many; Nested deep[2]; };
+  interface Chooser {
+    @sensor Numbers chosen_numbers();
+    @sensor Rows chosen_rows(out Nested inner, out All whole);
+    @sensor Several chosen_several();
+    readonly attribute Nested held;
+    @cancelable(feedback="chosen::All") void go(in Numbers to);
+  };
+};
+"""
+
+
+def test_a_mock_fills_the_arrays_of_unions(tmp_path: Path) -> None:
+    (tmp_path / "chosen.gidl").write_text(CHOSEN)
+    generate(tmp_path, "--lang", "cpp", tmp_path / "chosen.gidl")
+    mock = mocked(tmp_path / "chosen.gidl")
+    filled = "for (auto& mock_value_each : std::get<1>(mock_value.value)) {"
+    assert filled in mock.read_text()
+    compiles(tmp_path / "cpp", f'#include "{mock}"\n')

@@ -305,7 +305,7 @@ def assigned(
     target = model.target(used)
     match target:
         case ArrayType(element, dimensions):
-            item = f"{x.partition('.')[0]}_each"
+            item = f"{_variable(x)}_each"
             inner = assigned(lowering, item, element, limits, alone)
             for size in dimensions[1:]:
                 row = f"{item}_row{size}"
@@ -316,6 +316,12 @@ def assigned(
             return _named(lowering, x, name)
         case _:
             raise AssertionError(target)
+
+
+def _variable(x: str) -> str:
+    """Returns the variable that the expression `x` is a part of, for example "mock_value" for
+    "std::get<1>(mock_value.origin.value).x"."""
+    return x.rpartition("(")[2].partition(".")[0]
 
 
 def _named(lowering: Lowering, x: str, name: str) -> list[str]:
