@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from generating import generate
 from gidl.model import Model
 from gidl.wire import wire_layout
 from gidl.wire.wire_layout import Layout
@@ -157,3 +158,60 @@ void check(const char* name, const std::string& hex) {
   failures += same ? 0 : 1;
 }
 """
+
+
+# Enumerators and flags that are words of C++ or Python, macros, or what lcm-gen declares itself.
+WORDS = """
+module words {
+  enum Grip { None, None_, soft };
+  enum Mode { auto, manual, NULL, getHash, @value(9) get_hash };
+  @bit_bound(40) bitmask Rights { class, _import, @position(35) staticmethod };
+  interface Arm { enum Side { Arm_Side, lambda }; };
+  struct Hand { Grip held; Mode way; Rights allowed; Arm::Side which; };
+};
+"""
+# What they are called in .lcm, and their values.
+CONSTANTS = {
+    "Grip": {"None_": 0, "None__": 1, "soft": 2},
+    "Mode": {"auto_": 0, "manual": 1, "NULL_": 2, "getHash_": 3, "get_hash_": 9},
+    "Rights": {"class_": 1, "import_": 2, "staticmethod_": 2**35},
+    "Arm_Side": {"Arm_Side_": 0, "lambda_": 1},
+}
+
+
+@pytest.fixture
+def words(tmp_path: Path) -> str:
+    """The .lcm file of those enumerators."""
+    (tmp_path / "words.gidl").write_text(WORDS)
+    generate(tmp_path, "--lang", "lcm", tmp_path / "words.gidl")
+    return str(tmp_path / "lcm" / "words.lcm")
+
+
+def test_python_of_lcm_gen_has_enumerators_that_are_words(words: str, tmp_path: Path) -> None:
+    subprocess.run([lcm_gen(), "-p", "--ppath", str(tmp_path), words], check=True)
+    checks = [
+        f"assert words.{kind}.{name} == {value}"
+        for kind, constants in CONSTANTS.items()
+        for name, value in constants.items()
+    ]
+    # get_hash() fails if a constant has taken its place.
+    checks.append("words.Hand.decode(words.Hand().encode()).get_hash()")
+    program = "\n".join(
+        [f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import words", *checks]
+    )
+    subprocess.run([sys.executable, "-I", "-c", program], check=True)
+
+
+def test_cpp_of_lcm_gen_has_enumerators_that_are_words(words: str, tmp_path: Path) -> None:
+    subprocess.run([lcm_gen(), "-x", "--cpp-hpath", str(tmp_path), words], check=True)
+    source = tmp_path / "words.cpp"
+    lines = [f'#include "words/{kind}.hpp"' for kind in ("Hand", *CONSTANTS)]
+    lines += [
+        f"static_assert(words::{kind}::{name} == {value});"
+        for kind, constants in CONSTANTS.items()
+        for name, value in constants.items()
+    ]
+    source.write_text("\n".join(["#include <cstddef>", *lines, ""]), encoding="utf-8")
+    compiler = os.environ.get("CXX", "c++")
+    include = [f"-I{tmp_path}", f"-I{wheel() / 'include'}"]
+    subprocess.run([compiler, "-std=c++17", "-fsyntax-only", *include, str(source)], check=True)

@@ -9,7 +9,7 @@ the names of such fields and of helper structs until the names are unique.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass
 
 from gidl.model import (
@@ -22,7 +22,8 @@ from gidl.model import (
     Type,
     Union,
 )
-from gidl.syntax.keywords import CPP, PYTHON
+from gidl.names.languages import CPP_WORDS
+from gidl.syntax.keywords import CPP, PYTHON, words
 from gidl.wire.wire_nodes import (
     AppendableNode,
     ArrayNode,
@@ -44,6 +45,11 @@ LCM_PRIMITIVES = frozenset(
 # Names that LCM does not allow, or that lcm-gen cannot use in C++ or Python. gidl appends an
 # underscore to such a name.
 LCM_WORDS = LCM_PRIMITIVES | CPP | PYTHON | {"package", "encode", "decode"}
+# The same for constants. More names are possible here than for members, because no fingerprint
+# depends on the name of a constant: macros, and what lcm-gen declares or uses in every class.
+LCM_CONSTANT_WORDS = (
+    LCM_WORDS | CPP_WORDS | words("getEncodedSize getHash getTypeName get_hash staticmethod")
+)
 
 OBJECT_REF = "gecos.ObjectRef"
 OBJECT_REF_DECLARED = "gecos::ObjectRef"  # declared in idl/gecos/object_ref.gidl
@@ -173,10 +179,11 @@ class Lowering:
                     self._lower_union(owner, declaration)
                 elif isinstance(declaration, EnumDeclaration):
                     constants = tuple(
-                        LcmConstant(e.name, "int32_t", e.number) for e in declaration.enumerators
+                        LcmConstant(owner.free_constant(e.name), "int32_t", e.number)
+                        for e in declaration.enumerators
                     )
                 elif isinstance(declaration, Bitmask):
-                    constants = _mask_constants(declaration)
+                    constants = _mask_constants(declaration, owner)
                 members = owner.finish()
                 self.keep(LcmStruct(full, members, constants, declaration.name), file.path)
 
@@ -232,11 +239,16 @@ class _Owner:
         if source not in self._names:
             self._names[source] = self.free(source)
 
-    def free(self, wanted: str) -> str:
-        while wanted in self._taken or wanted in LCM_WORDS:
+    def free(self, wanted: str, words: Set[str] = LCM_WORDS) -> str:
+        while wanted in self._taken or wanted in words:
             wanted += "_"
         self._taken.add(wanted)
         return wanted
+
+    def free_constant(self, wanted: str) -> str:
+        """Returns the name of a constant, which must differ from the name of its class, too."""
+        simple_name = self._full_name.rpartition(".")[2]
+        return self.free(wanted, LCM_CONSTANT_WORDS | {simple_name})
 
     def add(self, source: str, node: Node) -> None:
         self.reserve(source)
@@ -291,13 +303,13 @@ class _Owner:
         return full
 
 
-def _mask_constants(mask: Bitmask) -> tuple[LcmConstant, ...]:
+def _mask_constants(mask: Bitmask, owner: _Owner) -> tuple[LcmConstant, ...]:
     bits = 64 if mask.bit_bound > 32 else 32
     constants = []
     for flag in mask.flags:
         value = 1 << flag.position
         signed = value - (1 << bits) if value >> (bits - 1) else value
-        constants.append(LcmConstant(flag.name, f"int{bits}_t", signed))
+        constants.append(LcmConstant(owner.free_constant(flag.name), f"int{bits}_t", signed))
     return tuple(constants)
 
 
