@@ -131,6 +131,10 @@ EDITS = [
      "G1002"),
     ("other feedback", 'feedback="lab::Goal"', 'feedback="lab::Point"', "G1002"),
 
+    ("an optional out parameter appended", "in Head top)", "in Head top, @optional out double spread)",
+     "G1102"),
+    ("an optional out parameter of what returned nothing", "void look()", "void look(@optional out long seen)",
+     "G1102"),
     ("a constant", "LIMIT = 5", "LIMIT = 6", "G1102"),
     ("a constant of another type", "const long LIMIT", "const short LIMIT", "G1102"),
     ("a constant gone", "const long LIMIT = 5;", "", "G1101"),
@@ -253,6 +257,39 @@ def test_what_a_stream_promises_of_its_samples(
     found = [f.message for f in compare(old.model, new.model)]
     assert len(found) == (0 if said is None else 1), found
     assert said is None or found[0].startswith(said)
+
+
+def test_a_member_more_in_the_struct_that_a_call_returns_breaks_nothing(tmp_path: Path) -> None:
+    text = "interface I {{ @sensor double width(out long count{}); }};"
+    old = compiled(tmp_path, "old", text.format(""))
+    new = compiled(tmp_path, "new", text.format(", @optional out double spread"))
+    assert compare(old.model, new.model) == []
+
+
+DERIVED = "struct P { double x; }; struct Q : P { double y; };"
+
+
+@pytest.mark.parametrize(
+    ("was", "is_now", "said"),
+    [
+        (DERIVED, "struct P { double x; }; struct Q { double x; double y; };",
+         ["SOURCE: 'Q' had the base 'P' and now has no base"]),
+        ("struct P { double x; }; struct Q { double x; double y; };", DERIVED,
+         ["SOURCE: 'Q' had no base and now has the base 'P'"]),
+        (DERIVED, "struct P { double x; }; struct R { double x; }; struct Q : R { double y; };",
+         ["SOURCE: 'Q' had the base 'P' and now has the base 'R'"]),
+        (DERIVED, '@hash_as("P") struct R { double x; }; struct Q : R { double y; };',
+         ["SOURCE: 'R' was named 'P' before"]),
+        (DERIVED, "struct P { double x; }; struct Q { double y; };",
+         ["WIRE: member 'x' of 'Q' is gone"]),
+    ],
+    ids=["gone", "new", "another", "renamed, its hash kept", "gone with its members"],
+)  # fmt: skip
+def test_the_base_of_a_struct_stays_also_if_its_members_do(
+    was: str, is_now: str, said: list[str], tmp_path: Path
+) -> None:
+    old, new = compiled(tmp_path, "old", was), compiled(tmp_path, "new", is_now)
+    assert [f.message for f in compare(old.model, new.model)] == said
 
 
 def test_findings_are_sorted_by_category(tmp_path: Path) -> None:

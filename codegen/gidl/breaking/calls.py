@@ -88,6 +88,7 @@ def _operation(sides: Sides, old: Operation, new: Operation, report: Report) -> 
         before, after = _result(old), _result(new)
         if before is not None and after is not None:
             slots.meaning(sides, report, subject, what, (before, after), places)
+    _outputs(old, new, report)
     _raises(sides, old, new, (old.raises, new.raises), "", report)
     if old.feedback is not None and not sides.same_type(old.feedback, new.feedback):
         is_now = new.feedback.name if new.feedback else "absent"
@@ -96,6 +97,23 @@ def _operation(sides: Sides, old: Operation, new: Operation, report: Report) -> 
                    "old clients cannot decode the feedback",
                    "keep the type of the feedback, and add members at the end of this type",
                    new=places[0], old=places[1])  # fmt: skip
+
+
+def _outputs(old: Operation, new: Operation, report: Report) -> None:
+    """Reports a new optional `out` parameter that changes what a call returns. A call with one
+    value in its reply returns this value, a call with several values returns a struct of them. To
+    such a struct, a new parameter only adds a member."""
+    if len(old.outputs) + (old.result is not None) > 1 or report.has_broken(old.scoped_name):
+        return
+    names = {p.name for p in old.parameters}
+    for p in new.outputs:
+        if p.name not in names:
+            report.add("G1102", old.scoped_name,
+                       f"the {p.direction.value} parameter '{p.name}' of '{old.scoped_name}' is new, "
+                       "so a call returns another type",
+                       "clients that use the result do not build any more, and neither do servers",
+                       "add another operation that returns the new value", new=p.facts)  # fmt: skip
+            return
 
 
 def _result(operation: Operation) -> slots.Numbers | None:

@@ -14,11 +14,13 @@ from gidl.model import (
     EnumDeclaration,
     ExceptionStruct,
     Interface,
+    Model,
     Primitive,
     Struct,
     Typedef,
     Union,
 )
+from gidl.wire.function_codes import hashed_name
 
 _MISREAD = "old and new programs read each other's bytes wrongly"
 _NO_BUILD = "programs that use the old name do not build any more"
@@ -124,10 +126,26 @@ def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
     owner = slots.Owner(old.name, "member", old.is_appendable and new.is_appendable,
                         old.facts, new.facts)  # fmt: skip
     slots.compare(sides, report, owner, sides.old.all_members(old), sides.new.all_members(new))
+    bases = [_base(m, s) for m, s in ((sides.old, old), (sides.new, new))]
+    if bases[0] != bases[1] and not report.has_broken(old.name):
+        report.add("G1102", old.name,
+                   f"'{old.name}' had {bases[0]} and now has {bases[1]}",
+                   "C++ programs that use a value of the struct as one of its base, or initialise "
+                   "its members in order, do not build any more", "keep the base as it was",
+                   new=new.facts, old=old.facts)  # fmt: skip
     if old.maps_to != new.maps_to:
         report.add("G1102", old.name, f"'{old.name}' maps to another hand-written type now",
                    "existing programs handle values of the struct as the old hand-written type",
                    "keep @maps_to", new=new.facts, old=old.facts)  # fmt: skip
+
+
+def _base(model: Model, struct: Struct) -> str:
+    """Returns the base of a struct in words. A renamed base has the name that its @hash_as
+    keeps."""
+    if struct.base is None:
+        return "no base"
+    base = model.struct(struct.base)
+    return f"the base '{hashed_name(model, base.name, base.facts)}'"
 
 
 def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report) -> None:
