@@ -1,5 +1,5 @@
-"""Rule: function codes are unique in an object, and 0 to 255 are reserved for built-in
-operations."""
+"""Rule: function codes are unique in an object and have 32 bits, and 0 to 255 are reserved for
+built-in operations."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from gidl.model import BUILT_IN, Attribute, Interface, Model, Operation
 from gidl.rules.walk import meet_first
 
 LAST_RESERVED = 255
+LAST_CODE = 0xFFFFFFFF
 
 Member = Operation | Attribute
 CodesOf = Callable[[Model, Interface], Iterable[tuple[int, str, Member]]]
@@ -45,6 +46,13 @@ def _reserved(
             f"'{name}' {hashed} the code {code}, but 0 to {LAST_RESERVED} are reserved for "
             "built-in operations",
             f"write @id(n) with n above {LAST_RESERVED}",
+        )
+    elif code > LAST_CODE:  # a setter, whose code is one more than the number that @id can have
+        findings.error(
+            "G0602",
+            member.facts.place_of("id"),
+            f"'{name}' would have the code {code}, but a code is at most {LAST_CODE}",
+            f"write @id(n) with n below {LAST_CODE}: the setter of an attribute has the code n + 1",
         )
 
 
