@@ -7,6 +7,7 @@ import os
 import re
 import sys
 import threading
+from queue import SimpleQueue
 from typing import NoReturn
 
 import gecos
@@ -67,6 +68,41 @@ def test_a_handler_may_wait_for_another_object_of_its_server(
     with gecos.actor(asking):
         assert asking.dim(1.0).result() == 0.0
         assert asking.label().result() == "a lamp"
+
+
+class Leaving(PlainLamp):
+    """`burn_in` leaves a thread behind that waits for an interruption of its call."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.ended: SimpleQueue[str] = SimpleQueue()
+
+    def burn_in(self, run: gecos.Execution[None]) -> None:
+        waits = threading.Event()
+
+        def watch() -> None:
+            try:
+                while not run.wait_interrupted(0.0 if not waits.is_set() else 30.0):
+                    waits.set()
+                self.ended.put("interrupted")
+            except ValueError as error:
+                self.ended.put(str(error))
+
+        threading.Thread(target=watch, daemon=True).start()
+        waits.wait()
+
+
+def test_a_thread_that_waits_longer_than_its_handler_runs_is_told_so(
+    lab: gecos.Lab, server: gecos.Server
+) -> None:
+    servant = Leaving()
+    server.add("LEAVING", servant)
+    leaving = lab.create(Lamp, "LEAVING")
+    with gecos.actor(leaving):
+        for _ in range(3):
+            leaving.burn_in().result()
+            assert servant.ended.get(timeout=20.0) == "the call was answered already"
+        assert leaving.dim(1.0).result() == 0.0, "the server goes on"
 
 
 def test_a_stop_does_not_wait_for_readings(lamp: Lamp, servant: PlainLamp) -> None:

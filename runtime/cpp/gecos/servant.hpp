@@ -137,8 +137,9 @@ class IncomingCall {
   const Caller& caller() const { return core_->caller(); }
   std::uint64_t counter() const { return core_->counter_in_session(); }
   std::uint64_t status_epoch() const { return core_->status_epoch(); }
-  /// For the runtime.
-  std::shared_ptr<const session::CallCore> core() const { return core_; }
+  /// For the runtime. A thread that holds the result may use it while another thread answers the
+  /// call: as long as the result exists, the call and its object exist, too.
+  std::shared_ptr<session::CallCore> core() const { return core_; }
   bool interrupted() const { return core_->interrupted(); }
   bool wait_interrupted_until(TimePoint deadline) const {
     return core_->wait_interrupted_until(deadline);

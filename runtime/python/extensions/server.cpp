@@ -36,8 +36,12 @@ class CallHandle {
   ~CallHandle() { static_cast<void>(answer()); }
 
   std::uint32_t code() const { return number(code_); }
+  /// Returns false once the call was answered.
+  bool open() const { return call_.has_value(); }
+  /// Returns the call. The reference is valid only until this thread releases the GIL, because
+  /// another thread may then answer the call. Throws if the call was answered.
   IncomingCall& call() {
-    if (!call_) throw nb::value_error("the call was answered already");
+    if (!open()) throw nb::value_error("the call was answered already");
     return *call_;
   }
   std::optional<IncomingCall> answer() {
@@ -325,10 +329,15 @@ nb::tuple caller(CallHandle& self) {
   return nb::make_tuple(caller.user, caller.host, caller.program, caller.pid, caller.session);
 }
 
+/// Raises ValueError if another thread answers the call during the wait.
 bool wait_interrupted(CallHandle& self, double seconds) {
-  const IncomingCall& call = self.call();
-  return wait_in_slices(seconds,
-                        [&](TimePoint until) { return call.wait_interrupted_until(until); });
+  auto call = self.call().core();  // `self` drops its call when it is answered
+  const bool interrupted = wait_in_slices(
+      seconds, [&](TimePoint until) { return call->wait_interrupted_until(until); },
+      [&] { return !self.open(); });
+  without_gil([last = std::move(call)]() mutable { last.reset(); });
+  if (!interrupted) static_cast<void>(self.call());  // throws if the call was answered
+  return interrupted;
 }
 
 void finish(CallHandle& self, const nb::bytes& result) {

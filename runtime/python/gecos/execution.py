@@ -27,7 +27,8 @@ class Caller:
 
 class Execution(Generic[F]):
     """A running call of a cancelable operation with feedback of type F. Valid while its handler
-    runs."""
+    runs; afterwards, for example in a thread that the handler has started, everything here raises
+    ValueError."""
 
     __slots__ = ("_core", "_feedback")
 
@@ -43,7 +44,8 @@ class Execution(Generic[F]):
         return self._core.interrupted()
 
     def wait_interrupted(self, seconds: float) -> bool:
-        """Sleeps at most `seconds`. Returns True as soon as the call is interrupted."""
+        """Sleeps at most `seconds`. Returns True as soon as the call is interrupted. Raises
+        ValueError if the handler returns meanwhile."""
         return self._core.wait_interrupted(seconds)
 
     def progress(self, fraction: float, feedback: F | None = None) -> None:
