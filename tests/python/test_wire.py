@@ -200,6 +200,33 @@ def test_arrays_are_never_changed_silently(values: object, code: str, why: str) 
         wire.array(values, code, "v")  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("values", "element", "number"),
+    [
+        (np.array([1.0, np.finfo(np.float64).max]), "v[1]", "1.7976931348623157e+308"),
+        ([1e39], "v[0]", "1e+39"),
+        (np.array([[1.0, 2.0], [-1e39, 1e300]]), "v[1][0]", "-1e+39"),
+        (np.array([1e39], ">f8"), "v[0]", "1e+39"),
+    ],
+)
+def test_an_array_never_makes_a_finite_number_infinite(
+    values: object, element: str, number: str
+) -> None:
+    with pytest.raises(EncodeError) as refused:
+        wire.array(values, "f", "v")  # type: ignore[arg-type]
+    why = f"{number} is not a number that fits in single precision"
+    assert str(refused.value) == f"{element}: {why}"
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_is_already_infinite_or_no_number_is_sent_in_single_precision_too() -> None:
+    largest = float(np.finfo(np.float32).max)
+    values = [math.inf, -math.inf, math.nan, largest, -largest, 1e-300]
+    sent = b"".join([wire.array(np.array(values), "f")])
+    assert sent[:8] + sent[12:] == struct.pack(">5f", *values[:2], *values[3:])
+    assert math.isnan(struct.unpack(">f", sent[8:12])[0])
+
+
 def test_a_decoded_array_is_ones_own_in_native_order() -> None:
     data = bytearray(struct.pack(">3h", 1, -2, 3))
     numbers = Decoder(data).array("h", 3)

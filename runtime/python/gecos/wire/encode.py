@@ -91,15 +91,33 @@ def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
     """Encodes an array of numbers as big-endian, without a count. `code` is a number code as in
     `Fields`.
 
-    Refuses a conversion that changes a number; only a conversion to floating point may round. A
-    bytes object counts as an array with the code `B`.
+    Refuses a conversion that changes a number; only a conversion to floating point may round, but
+    not to infinity. A bytes object counts as an array with the code `B`.
     """
     kind, wanted, native, _ = arrays(code)
     if type(values) is kind and values.dtype is native:
         swapped: Any = values.astype(wanted, "C")
     else:
-        swapped = _fitting(values, code, field).astype(wanted, "C")
+        swapped = _swapped(_fitting(values, code, field), code, field)
     return swapped  # type: ignore[no-any-return]  # an array is a buffer, which `join` accepts
+
+
+def _swapped(given: Array, code: str, field: str) -> Array:
+    """Returns `given` as big-endian numbers of `code`. Raises EncodeError if a finite number is too
+    large for a shorter floating-point number, which would be infinite."""
+    import numpy as np
+
+    wanted = arrays(code)[1]
+    if given.dtype.kind != "f" or given.dtype.itemsize <= wanted.itemsize:
+        return given.astype(wanted, "C")
+    with np.errstate(over="ignore"):
+        swapped = given.astype(wanted, "C")
+    too_large = np.isinf(swapped) & np.isfinite(given)
+    if too_large.any():
+        index, name = _first_of(too_large, field)
+        meaning = f"not {CODE_MEANING[code]}" if code == "f" else "too large; give a smaller number"
+        raise EncodeError(name, f"{given[index]} is {meaning}")
+    return swapped
 
 
 def _fitting(values: npt.ArrayLike, code: str, field: str) -> Array:
@@ -225,9 +243,17 @@ def _expect_within(given: Array, low: Any, high: Any, field: str, limits: Range)
     if high is not None:
         outside |= ~(given <= high)
     if outside.any():
-        first = np.unravel_index(int(outside.argmax()), given.shape)
-        index = "".join(f"[{each}]" for each in first)
-        raise RangeError(f"{field}{index}", given[first].item(), limits)
+        index, name = _first_of(outside, field)
+        raise RangeError(name, given[index].item(), limits)
+
+
+def _first_of(flags: Array, field: str) -> tuple[tuple[int, ...], str]:
+    """Returns the index of the first element of `flags` that is True, and the name of this element
+    in the array `field`, for example "field[2][0]"."""
+    import numpy as np
+
+    index = tuple(int(each) for each in np.unravel_index(int(flags.argmax()), flags.shape))
+    return index, field + "".join(f"[{each}]" for each in index)
 
 
 def octets(raw: bytes, most: int, field: str = "") -> Parts:
