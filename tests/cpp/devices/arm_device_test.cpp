@@ -96,6 +96,26 @@ TEST_F(Arm, GoalsAndReadingsAreInTheWorldWhereverItIsMounted) {
   EXPECT_TRUE(near(arm_.sample().flange * translate(0, 0, 150_mm), goal, 1e-4, 1e-3));
 }
 
+TEST(ArmBeyondALimit, ReturnsOnAStraightLine) {
+  const robcl::arm::ArmModel model = rx90();
+  JointValues beyond = robcl::joints({0, -20, 110, 0, 120, 0}), inside = beyond;
+  beyond[4] += 2.4e-5;  // one count of an encoder beyond the limit of joint 5
+  inside[4] = 100_deg;
+  RecordingDriver driver(beyond);
+  ArmDevice arm(model, {}, driver);
+  Silent silent;
+  const Frame goal = robcl::arm::Kinematics(model).base_from_flange(inside);
+  auto moved = std::async(std::launch::async,
+                          [&] { return arm.move(goal, PathKind::Straight, {}, silent); });
+  while (moved.wait_for(std::chrono::microseconds(200)) != std::future_status::ready) {
+    arm.step(cycle);
+  }
+  const auto end = moved.get();
+  ASSERT_TRUE(end) << to_string(end.error());
+  EXPECT_LT((driver.stands - inside).cwiseAbs().maxCoeff(), 1e-4);
+  for (const JointValues& at : driver.all) ASSERT_LE(at[4], beyond[4] + 1e-9);
+}
+
 TEST_F(Arm, KeepsStandingWhereItStandsIfNobodyCommands) {
   const Frame before = arm_.sample().tool;
   for (int i = 0; i < 500; ++i) arm_.step(cycle);

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "allocations.hpp"
 #include "arms.hpp"
@@ -380,6 +382,40 @@ TEST(Paths, AJointThatGoesTooFarBetweenTwoKnotsIsFound) {
   EXPECT_NEAR(outside->limit.value, highest, 1e-8);
   EXPECT_EQ(outside->s, 2) << "between the knots 2 and 3";
   EXPECT_FALSE(first_outside(model, Path({{0, 1}, {ready, ready}})));
+}
+
+/// A path on which joint 2 is beyond a limit by these angles in rad, at one knot after the other;
+/// angles below 0 are inside. The limit is the upper one if `side` is 1, the lower one if -1.
+std::optional<OutsideOnPath> outside_on_path(double side, const std::vector<double>& beyond) {
+  const ArmModel model = rx90();
+  const arm::JointLimits& limits = model.limits()[1];
+  Path::Knots knots;
+  for (std::size_t i = 0; i < beyond.size(); ++i) {
+    JointValues at = ready;
+    at[1] = (side > 0 ? limits.upper : limits.lower) + side * beyond[i];
+    knots.add(static_cast<double>(i), at);
+  }
+  return first_outside(model, Path(knots));
+}
+
+TEST(Paths, AJointThatStartsBeyondItsLimitMayReturnButNotLeaveItAgain) {
+  for (const double side : {1.0, -1.0}) {
+    SCOPED_TRACE(side);
+    EXPECT_FALSE(outside_on_path(side, {1e-3, 0.0, -1e-3, -2e-3}));
+    EXPECT_FALSE(outside_on_path(side, {4e-3, 3e-3, 2e-3, 1e-3, 0.0, -1e-3}));
+    const auto further = outside_on_path(side, {1e-3, 2e-3, 1e-3, 0.0, -1e-3});
+    ASSERT_TRUE(further);
+    EXPECT_EQ(further->limit.axis, 2U);
+    EXPECT_EQ(further->s, 0);
+    EXPECT_EQ(further->limit.upper, rx90().limits()[1].upper);
+    const auto again = outside_on_path(side, {1e-3, 0.0, -1e-3, -2e-3, 0.0, 0.5e-3, 0.0, -1e-3});
+    ASSERT_TRUE(again);
+    EXPECT_GE(again->s, 3);
+    EXPECT_LE(again->s, 4);
+    const auto stays = outside_on_path(side, {1e-3, 0.8e-3, 0.6e-3, 0.4e-3});
+    ASSERT_TRUE(stays);
+    EXPECT_EQ(stays->s, 2) << "the last interval";
+  }
 }
 
 TEST(Pace, ItsProblemIsNamed) {

@@ -358,6 +358,17 @@ TEST(MoveChain, ACornerOfSevenJointsTakesLessTimeThanAStop) {
   EXPECT_GT(tried, 50);
 }
 
+TEST_P(MoveChains, AChainBeginsBeyondALimitOfAJointIfItLeadsBack) {
+  JointValues from = joints({0, -20, 110, 0, 120, 0}), inside = from;
+  from[4] += 2.4e-5;  // one count of an encoder
+  inside[4] = 100_deg;
+  const Frame corner = planner_.base_from_tool(inside, {});
+  Chained chained(planner_, straight(from, corner));
+  ASSERT_TRUE(chained.straight_to(corner * translate(0, 0.1, 0)));
+  chained.run();
+  for (const JointValues& at : chained.set_points()) ASSERT_LE(at[4], from[4] + 1e-9);
+}
+
 TEST(MoveChain, RoundsACornerWithoutAJumpOfTheAcceleration) {
   // In a quarter of the time, an acceleration that rises changes by a quarter, and one that jumps
   // by as much. At a knot of the path, a small part of the change is a jump.

@@ -89,6 +89,101 @@ TEST_F(StraightLines, AJointLimitOfTheGoalHasNoPlace) {
   EXPECT_EQ(std::get<JointLimit>(joint_goal.error()).configuration, Configuration{});
 }
 
+/// One count of an encoder, in rad: an arm at the limit of a joint may stand this far beyond it
+/// after a fault of its drives.
+constexpr double count = 2.4e-5;
+
+/// Moves on a line that lets the joint `axis` (from 0) return from beyond its limit, where the arm
+/// stands at `from`, by `angle`.
+void expect_return(const arm::ArmModel& model, const JointValues& from, Eigen::Index axis,
+                   double angle) {
+  SCOPED_TRACE("joint " + std::to_string(axis + 1) + " by " + std::to_string(angle) + " rad");
+  Planner planner(model, {});
+  const arm::JointLimits& limits = model.limits()[static_cast<std::size_t>(axis)];
+  const double side = from[axis] > 0 ? 1 : -1;
+  JointValues to = from;
+  to[axis] -= side * angle;
+  const auto move = planner.straight_move(from, planner.base_from_tool(to, {}), {}, {});
+  ASSERT_TRUE(move) << to_string(move.error());
+  EXPECT_GE(move->goal()[axis], limits.lower);
+  EXPECT_LE(move->goal()[axis], limits.upper);
+  Playback playback(planner.plan(*move));
+  while (!playback.standing()) {
+    ASSERT_LE(side * playback.advance(0.004)[axis], side * from[axis] + 1e-9) << "further out";
+  }
+}
+
+TEST(StraightLinesFromBeyondALimit, ReturnTheJoint) {
+  for (const double angle : {10_deg, 3e-5, 1e-4, 1e-3}) {
+    expect_return(rx90(), joints({-160, -20, 110, 0, 90, 0}) - count * JointValues::Unit(6, 0), 0,
+                  angle);
+    expect_return(rx90(), joints({0, -20, 110, 0, 120, 0}) + count * JointValues::Unit(6, 4), 4,
+                  angle);
+    expect_return(rx90(), joints({0, -20, 110, 0, 90, 270}) + count * JointValues::Unit(6, 5), 5,
+                  angle);
+    expect_return(seven_axes(),
+                  joints({0, 20, 0, -90, 0, 70, 175}) + count * JointValues::Unit(7, 6), 6, angle);
+  }
+}
+
+TEST(StraightLinesFromBeyondALimit, LeaveNoLimitAgainWhereverTheyLead) {
+  for (const arm::ArmModel& model : {rx90(), puma560(), seven_axes()}) {
+    Planner planner(model, {});
+    RandomJoints random(model, 41);
+    int made = 0;
+    for (int i = 0; i < 2000 && made < 40; ++i) {
+      JointValues from = random();
+      const Eigen::Index axis = i % model.axes();
+      const arm::JointLimits& limits = model.limits()[static_cast<std::size_t>(axis)];
+      from[axis] = i % 2 == 0 ? limits.upper + count : limits.lower - count;
+      const JointValues to = from + 0.3 * (random() - from);
+      const auto move = planner.straight_move(from, planner.base_from_tool(to, {}), {}, {});
+      if (!move) continue;
+      ++made;
+      bool returned = false;
+      Playback playback(planner.plan(*move));
+      while (!playback.standing()) {
+        JointValues at = playback.advance(0.004);
+        returned |= limits.lower <= at[axis] && at[axis] <= limits.upper;
+        if (!returned) at[axis] -= from[axis] > 0 ? count : -count;
+        ASSERT_FALSE(arm::first_outside(model, at)) << "line " << i;
+      }
+      ASSERT_TRUE(returned) << "line " << i;
+    }
+    EXPECT_EQ(made, 40);
+  }
+}
+
+TEST(StraightLinesFromBeyondALimit, LeadNoFurtherOut) {
+  Planner planner(rx90(), {});
+  JointValues from = joints({0, -20, 110, 0, 90, 270}), further = from;
+  from[5] += count;
+  further[5] += 10_deg;
+  const auto move = planner.straight_move(from, planner.base_from_tool(further, {}), {}, {});
+  ASSERT_FALSE(move);
+  const auto* limit = std::get_if<JointLimit>(&move.error());
+  ASSERT_NE(limit, nullptr) << to_string(move.error());
+  EXPECT_EQ(limit->axis, 6U);
+  EXPECT_EQ(limit->upper, planner.model().limits()[5].upper);
+  EXPECT_GT(limit->value, from[5]);
+  ASSERT_TRUE(limit->place);
+  EXPECT_LT(limit->place->turn, 0.25_deg);
+}
+
+TEST(StraightLinesFromBeyondALimit, DoNotEndBeyondIt) {
+  Planner planner(rx90(), {});
+  JointValues from = joints({0, -20, 110, 0, 120, 0});
+  from[4] += count;
+  JointValues nearer = from;
+  nearer[4] -= count / 2;
+  for (const Frame& goal :
+       {planner.base_from_tool(nearer, {}), rotate_z(5_deg) * planner.base_from_tool(from, {})}) {
+    const auto move = planner.straight_move(from, goal, {}, {});
+    ASSERT_FALSE(move);
+    EXPECT_NE(std::get_if<JointLimit>(&move.error()), nullptr) << to_string(move.error());
+  }
+}
+
 TEST(StraightLinesOfSevenJoints, NameNoConfiguration) {
   const arm::ArmModel model = seven_axes();
   Planner planner(model, {});

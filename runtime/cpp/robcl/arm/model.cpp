@@ -221,6 +221,16 @@ tl::expected<ArmModel, ModelError> ArmModel::with_front(const JointValues& front
   return model;
 }
 
+ArmModel ArmModel::with_travel_to(const JointValues& joints) const {
+  ArmModel model = *this;
+  for (Eigen::Index i = 0; i < axes(); ++i) {
+    JointLimits& limits = model.limits_[static_cast<std::size_t>(i)];
+    limits.lower = std::min(limits.lower, joints[i]);
+    limits.upper = std::max(limits.upper, joints[i]);
+  }
+  return model;
+}
+
 ArmModel ArmModel::with_seconds_to_full_speed(const std::vector<double>& seconds) const {
   ArmModel model = *this;
   for (std::size_t i = 0; i < model.limits_.size(); ++i) {

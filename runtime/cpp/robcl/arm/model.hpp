@@ -43,6 +43,10 @@ class ArmModel {
   /// each joint. @pre `seconds` has a value for each joint.
   ArmModel with_seconds_to_full_speed(const std::vector<double>& seconds) const;
 
+  /// Returns this model with limits of travel that are widened, where necessary, so that the joint
+  /// positions `joints`, in rad, are inside them.
+  ArmModel with_travel_to(const JointValues& joints) const;
+
   const std::string& name() const { return name_; }
   Eigen::Index axes() const { return static_cast<Eigen::Index>(limits_.size()); }
   const KDL::Chain& chain() const { return chain_; }

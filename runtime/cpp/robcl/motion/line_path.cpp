@@ -34,6 +34,16 @@ Failure with_place(Failure failure, const arm::PlaceOnLine& where) {
   return failure;
 }
 
+/// Returns `failure` with the limits of the joint in `model`.
+Failure with_limits_of(const arm::ArmModel& model, Failure failure) {
+  if (auto* limit = std::get_if<JointLimit>(&failure)) {
+    const arm::JointLimits& limits = model.limits()[limit->axis - 1];
+    limit->lower = limits.lower;
+    limit->upper = limits.upper;
+  }
+  return failure;
+}
+
 Singular leaves_line(const arm::PlaceOnLine& where, double away) {
   std::ostringstream text;
   text << to_string(where)
@@ -152,7 +162,8 @@ class LineWalk {
   const std::size_t most_parts_;
 };
 
-/// Makes a path of the joints that puts the tool on its line at each knot of the path.
+/// Makes a path of the joints that puts the tool on its line at each knot of the path. `model` has
+/// the limits of the joints; those of `walk` may be wider.
 tl::expected<Path, Failure> path_of(LineWalk& walk, const arm::ArmModel& model,
                                     arm::InverseKinematics& inverse, const JointValues& from,
                                     const LineOnPath& way) {
@@ -166,7 +177,7 @@ tl::expected<Path, Failure> path_of(LineWalk& walk, const arm::ArmModel& model,
   };
   for (std::size_t i = 0; i < intervals; ++i) {
     if (auto walked = walk.walk(part(i), part(i + 1), way.duration, knots); !walked) {
-      return tl::unexpected(walked.error());
+      return tl::unexpected(with_limits_of(model, walked.error()));
     }
   }
   Path path(std::move(knots));
@@ -177,15 +188,15 @@ tl::expected<Path, Failure> path_of(LineWalk& walk, const arm::ArmModel& model,
   return path;
 }
 
-}  // namespace
-
-tl::expected<LinePath, Failure> path_of_line(const arm::ArmModel& model,
-                                             const arm::Kinematics& forward,
-                                             arm::InverseKinematics& inverse,
-                                             const JointValues& from, const LineOnPath& line) {
+/// Makes the path of path_of_line(). `model` has the limits of the joints; those of `walked`, which
+/// are also the limits of `inverse`, may be wider.
+tl::expected<LinePath, Failure> path_within(const arm::ArmModel& model, const arm::ArmModel& walked,
+                                            const arm::Kinematics& forward,
+                                            arm::InverseKinematics& inverse,
+                                            const JointValues& from, const LineOnPath& line) {
   const Frame tool_from_flange = line.flange_from_tool.inverse();
   for (int finer = 0;; ++finer) {
-    LineWalk walk(model, inverse, line.line, tool_from_flange, from, finer);
+    LineWalk walk(walked, inverse, line.line, tool_from_flange, from, finer);
     auto path = path_of(walk, model, inverse, from, line);
     if (!path) return tl::unexpected(path.error());
     std::vector<WayAndTurn> bends, faster;
@@ -205,6 +216,22 @@ tl::expected<LinePath, Failure> path_of_line(const arm::ArmModel& model,
       return tl::unexpected(leaves_line(line.line.place(where / line.duration), furthest));
     }
   }
+}
+
+}  // namespace
+
+tl::expected<LinePath, Failure> path_of_line(const arm::ArmModel& model,
+                                             const arm::Kinematics& forward,
+                                             arm::InverseKinematics& inverse,
+                                             const JointValues& from, const LineOnPath& line) {
+  if (!arm::first_outside(model, from)) {
+    return path_within(model, model, forward, inverse, from, line);
+  }
+  // The solvers find only joint positions inside the limits of their model. The path is found with
+  // wider limits, and path_of() then checks it with those of `model`.
+  const arm::ArmModel wider = model.with_travel_to(from);
+  const auto inverse_of_wider = arm::make_inverse(wider);
+  return path_within(model, wider, forward, *inverse_of_wider, from, line);
 }
 
 }  // namespace robcl::motion

@@ -71,15 +71,55 @@ Path::Range Path::range(std::size_t i) const {
   return range;
 }
 
-std::optional<OutsideOnPath> first_outside(const arm::ArmModel& model, const Path& path) {
-  constexpr double rounding = 1e-9;  // rad
-  for (std::size_t i = 0; i < path.intervals(); ++i) {
-    const Path::Range range = path.range(i);
-    auto outside = arm::first_outside(model, range.lowest.array() + rounding);
-    if (!outside) outside = arm::first_outside(model, range.highest.array() - rounding);
-    if (outside) return OutsideOnPath{*outside, path.place(i)};
+namespace {
+
+/// Returns by how much each joint is beyond its limits, in rad: above 0 beyond the upper limit,
+/// below 0 beyond the lower limit, 0 between them.
+JointValues beyond_limits(const arm::ArmModel& model, const JointValues& joints) {
+  JointValues beyond(joints.size());
+  for (Eigen::Index axis = 0; axis < joints.size(); ++axis) {
+    const arm::JointLimits& limits = model.limits()[static_cast<std::size_t>(axis)];
+    beyond[axis] = joints[axis] - std::clamp(joints[axis], limits.lower, limits.upper);
   }
-  return std::nullopt;
+  return beyond;
+}
+
+/// Returns the joint that is furthest outside its limits in `range`; nullopt if there is none. A
+/// joint may be beyond a limit by as much as `allowance` says, in the form of beyond_limits().
+std::optional<arm::JointLimit> outside_in(const arm::ArmModel& model, const Path::Range& range,
+                                          const JointValues& allowance) {
+  std::optional<arm::JointLimit> worst;
+  double by = 2e-9;  // rad, because of rounding
+  for (Eigen::Index axis = 0; axis < allowance.size(); ++axis) {
+    const arm::JointLimits& limits = model.limits()[static_cast<std::size_t>(axis)];
+    const double lowest = range.lowest[axis], highest = range.highest[axis];
+    const double below = limits.lower + std::min(allowance[axis], 0.0) - lowest;
+    const double above = highest - limits.upper - std::max(allowance[axis], 0.0);
+    const double outside = std::max(below, above);
+    if (outside <= by) continue;
+    by = outside;
+    worst = arm::JointLimit{static_cast<std::size_t>(axis) + 1, below > above ? lowest : highest,
+                            limits.lower, limits.upper};
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::optional<OutsideOnPath> first_outside(const arm::ArmModel& model, const Path& path) {
+  JointValues allowance = beyond_limits(model, path.knot(0));
+  for (std::size_t i = 0; i < path.intervals(); ++i) {
+    if (auto outside = outside_in(model, path.range(i), allowance)) {
+      return OutsideOnPath{*outside, path.place(i)};
+    }
+    const JointValues beyond = beyond_limits(model, path.knot(i + 1));
+    for (Eigen::Index axis = 0; axis < beyond.size(); ++axis) {
+      if (beyond[axis] == 0) allowance[axis] = 0;
+    }
+  }
+  const std::size_t last = path.intervals();
+  const auto outside = arm::first_outside(model, path.knot(last));
+  return outside ? std::optional(OutsideOnPath{*outside, path.place(last - 1)}) : std::nullopt;
 }
 
 JointValues Path::position(double s) const {

@@ -85,6 +85,10 @@ struct OutsideOnPath {
 };
 /// Finds the first interval of `path` in which a joint leaves its limits. Returns such a joint, and
 /// s at the knot at which this interval begins; nullopt if all joints stay inside their limits.
+///
+/// A joint that is outside its limits at the start of `path` may return: until the first knot at
+/// which it is inside, it counts as outside only where it is further outside than at the start. At
+/// the end of `path` it must be inside.
 std::optional<OutsideOnPath> first_outside(const arm::ArmModel& model, const Path& path);
 
 }  // namespace robcl::motion
