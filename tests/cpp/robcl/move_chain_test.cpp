@@ -358,6 +358,47 @@ TEST(MoveChain, ACornerOfSevenJointsTakesLessTimeThanAStop) {
   EXPECT_GT(tried, 50);
 }
 
+/// The rotation vector of half a turn has two possible directions.
+TEST(MoveChain, HalfATurnGoesOverIntoTheNextMoveLikeALittleLess) {
+  const arm::ArmModel model = rx90();
+  Planner planner(model, {});
+  RandomJoints random(model, 23);
+  int followed = 0;
+  for (int i = 0; i < 300 && followed < 40; ++i) {
+    JointValues from = 0.6 * random();
+    from[5] = 0;
+    const Frame start = planner.base_from_tool(from, {});
+    const Eigen::Vector3d axis(0.1 * std::sin(i), 0.1 * std::cos(i), 1);  // about that of joint 6
+    const auto moves_by = [&](double angle) -> std::optional<std::pair<Move, Move>> {
+      const Frame turned = start * Frame::from_axis_angle(0, 0, 0, axis, angle);
+      auto first = planner.straight_move(from, turned, {}, {});
+      if (!first) return std::nullopt;
+      const Frame goal = turned * translate(0.1, 0, 0);
+      auto next = planner.straight_move(first->goal(), goal, {}, {});
+      if (!next) return std::nullopt;
+      return std::pair{*std::move(first), *std::move(next)};
+    };
+    const auto half = moves_by(180_deg);
+    if (!half) continue;
+    const Move& first = half->first;
+    const Frame begun = start.inverse() * first.line->at(0.1);
+    EXPECT_LT((begun.rotation_vector() - 0.1 * first.line->rotation()).norm(), 1e-9);
+    const double side = begun.rotation_vector().z() > 0 ? 1 : -1;
+    const auto less = moves_by(side * 179.99_deg);
+    if (!less) continue;
+    MoveChain chain(planner, first), other(planner, less->first);
+    const auto corner = chain.extend(half->second, 0.02);
+    const auto expected = other.extend(less->second, 0.02);
+    ASSERT_EQ(corner.has_value(), expected.has_value()) << "from position " << i;
+    if (!corner) continue;
+    ++followed;
+    EXPECT_NEAR(corner->angle, expected->angle, 1e-3);
+    EXPECT_NEAR(corner->distance, expected->distance, 1e-4);
+    EXPECT_NEAR(chain.ends(), other.ends(), 1e-2);
+  }
+  EXPECT_GE(followed, 30);
+}
+
 TEST_P(MoveChains, AChainBeginsBeyondALimitOfAJointIfItLeadsBack) {
   JointValues from = joints({0, -20, 110, 0, 120, 0}), inside = from;
   from[4] += 2.4e-5;  // one count of an encoder

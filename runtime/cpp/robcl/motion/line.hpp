@@ -26,6 +26,11 @@ class Line {
 
   double length() const { return way_.norm(); }  ///< m
   double turn() const { return turn_.norm(); }   ///< rad
+  /// Returns the displacement from the start to the goal, in m.
+  const Eigen::Vector3d& way() const { return way_; }
+  /// Returns the rotation from the start to the goal as its axis, seen from the start, times its
+  /// angle in rad. Half a turn could be made in either direction; this is the one that `at` makes.
+  const Eigen::Vector3d& rotation() const { return turn_; }
   /// Returns the frame after the fraction `part` of the line. `part` is from 0 to 1.
   Frame at(double part) const { return interpolate(start_, goal_, part); }
   /// Returns the distance and the angle from the start of the line to the fraction `part` of the

@@ -73,10 +73,7 @@ struct Twist {
 };
 
 Twist twist_of(const Move& move) {
-  const Frame start = move.line->at(0), goal = move.line->at(1);
-  const Eigen::Quaterniond turned = start.orientation().conjugate() * goal.orientation();
-  return {(goal.position() - start.position()) / move.duration(),
-          rotation_vector(turned) / move.duration()};
+  return {move.line->way() / move.duration(), move.line->rotation() / move.duration()};
 }
 
 Eigen::Quaterniond turned_by(const Eigen::Vector3d& rotation) {
