@@ -9,7 +9,9 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import uuid
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -22,8 +24,9 @@ from gecos.laboratory import (
     read_laboratory,
     running,
 )
+from gecos.laboratory.events import Event, What
 from jsonschema import Draft202012Validator
-from processes import Laboratory, await_ends, until
+from processes import PATIENCE_S, Laboratory, await_ends, until
 from test_demo import alive_with
 
 GECOS = [sys.executable, "-m", "gecos.cli"]
@@ -174,6 +177,43 @@ def test_a_second_interrupt_kills_what_does_not_end(lab: Laboratory, tmp_path: P
     assert up.finish() == 130, str(up)
     await_ends(alive_with(marker))
     assert alive_with(marker) == {}
+
+
+def test_the_thread_that_awaits_the_end_of_a_program_also_sees_that_it_was_killed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    await_end, reap = os.waitid, subprocess.Popen.wait
+    reaped = threading.Event()
+    failures: list[BaseException | None] = []
+
+    def await_end_late(*arguments: int) -> os.waitid_result | None:
+        """Gives the thread that kills the program time to reap it first."""
+        with suppress(ChildProcessError):
+            await_end(*arguments)
+        reaped.wait(0.2)
+        return await_end(*arguments)
+
+    def reap_and_tell(process: subprocess.Popen[str], timeout: float | None = None) -> int:
+        status = reap(process, timeout)
+        reaped.set()
+        return status
+
+    monkeypatch.setattr(os, "waitid", await_end_late)
+    monkeypatch.setattr(subprocess.Popen, "wait", reap_and_tell)
+    monkeypatch.setattr(threading, "excepthook", lambda failed: failures.append(failed.exc_value))
+    monkeypatch.setattr(sys.modules["gecos.laboratory.running"], "END_WITHIN", 0.1)
+    deaf = "trap '' TERM; echo serving X; while :; do sleep 1; done"
+    laboratory = LaboratoryDescription(
+        (Program("DEAF", ("sh", "-c", deaf)),), starts_broker=False, folder=tmp_path
+    )
+    events: list[Event] = []
+    before = set(threading.enumerate())
+    with running(laboratory, report=events.append):
+        pass
+    for thread in set(threading.enumerate()) - before:
+        thread.join(PATIENCE_S)
+    assert What.KILLED in [each.event for each in events]
+    assert failures == []
 
 
 ORDERLY = """

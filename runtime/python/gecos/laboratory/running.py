@@ -155,6 +155,7 @@ class _Process:
         if self._reaped:
             return
         self._signal(signal.SIGKILL)
+        self._over.wait()  # the thread of `_await_end` must see the end before it is reaped
         self._process.wait()
         self._reaped = True
 
