@@ -109,8 +109,8 @@ def _outputs(old: Operation, new: Operation, report: Report) -> None:
     for p in new.outputs:
         if p.name not in names:
             report.add("G1102", old.scoped_name,
-                       f"the {p.direction.value} parameter '{p.name}' of '{old.scoped_name}' is new, "
-                       "so a call returns another type",
+                       f"the {p.direction.value} parameter '{p.name}' of '{old.scoped_name}' is "
+                       "new, so a call returns another type",
                        "clients that use the result do not build any more, and neither do servers",
                        "add another operation that returns the new value", new=p.facts)  # fmt: skip
             return
