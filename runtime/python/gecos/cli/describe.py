@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -70,9 +71,10 @@ def _readings(lab: Lab, name: str, model: Model, models: list[str]) -> dict[str,
     values: dict[str, Any] = {}
     for attribute, command in [(each, by_name.read(robot, each)) for each in shown]:
         try:
-            values[attribute] = plain(command.result(max(0.0, until - time.monotonic())))
+            value = command.result(max(0.0, until - time.monotonic()))
         except (TimeoutError, CommandFailed, ConnectionFailed):
             continue
+        values[attribute] = value.name if isinstance(value, Enum) else value
     return values
 
 

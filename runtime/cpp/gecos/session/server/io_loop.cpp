@@ -360,6 +360,15 @@ bool IoLoop::revoke(const std::shared_ptr<ServerSession>& session, const std::st
 }
 
 void IoLoop::withdraw(ObjectHost& object) {
+  // A polling thread holds `polling_` from the packet of a call until `main_is_inside`. It also
+  // holds `polling_` while it removes lost sessions. So after these sessions are removed, no
+  // further handler of `object` begins.
+  const auto may_call_servant = [&] {
+    bool connected = false;
+    sessions_.for_each(
+        [&](const auto& session) { connected = connected || session->object().get() == &object; });
+    return connected || (main_is_inside() && handled_.load() == &object);
+  };
   do {
     for (const auto& session : sessions_.all()) {
       if (session->object().get() != &object || session->gone.exchange(true)) continue;
@@ -368,18 +377,7 @@ void IoLoop::withdraw(ObjectHost& object) {
     suspects_.store(true);
     event_.notify();
     std::this_thread::sleep_for(Maintenance::tick / 10);
-  } while (!ended_.load() && may_call(object));
-}
-
-/// Returns whether a thread of this loop may still call the servant of `object`, which is closed. A
-/// polling thread holds `polling_` from the packet of a call until `main_is_inside`. It also holds
-/// `polling_` while it removes lost sessions. So after these sessions are removed, no further
-/// handler of `object` begins.
-bool IoLoop::may_call(const ObjectHost& object) {
-  bool connected = false;
-  sessions_.for_each(
-      [&](const auto& session) { connected = connected || session->object().get() == &object; });
-  return connected || (main_is_inside() && handled_.load() == &object);
+  } while (!ended_.load() && may_call_servant());
 }
 
 void IoLoop::end() {

@@ -86,7 +86,6 @@ class IoLoop {
   void watch(const std::shared_ptr<ServerSession>& session) GECOS_REQUIRES(polling_);
   void part_from_suspects() GECOS_REQUIRES(polling_);
   void drop_closed_endpoints() GECOS_REQUIRES(polling_);
-  bool may_call(const ObjectHost& object);
   void part_if_lost(const std::shared_ptr<ServerSession>& session);
   TimePoint next_look_at(ServerSession& session, bool sent, TimePoint now) const;
   /// Ends the sessions whose clients are not admitted any more. Returns whether any session was
