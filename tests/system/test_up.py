@@ -13,6 +13,8 @@ import threading
 import uuid
 from contextlib import suppress
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import pytest
 from gecos import cli
@@ -214,6 +216,35 @@ def test_the_thread_that_awaits_the_end_of_a_program_also_sees_that_it_was_kille
         thread.join(PATIENCE_S)
     assert What.KILLED in [each.event for each in events]
     assert failures == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_program_is_ended_if_a_signal_comes_while_it_is_started(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, number: signal.Signals
+) -> None:
+    started: list[subprocess.Popen[str]] = []
+
+    class Interrupted(subprocess.Popen[str]):
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            super().__init__(*arguments, **options)
+            started.append(self)
+            os.kill(os.getpid(), number)
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(subprocess, "Popen", Interrupted)
+    before = signal.signal(number, interrupt)
+    laboratory = LaboratoryDescription(
+        (Program("SLOW", ("sleep", "1000")),), starts_broker=False, folder=tmp_path
+    )
+    try:
+        with pytest.raises(KeyboardInterrupt), running(laboratory, report=lambda _: None):
+            pass
+        assert signal.getsignal(number) is interrupt
+    finally:
+        signal.signal(number, before)
+    assert [process.returncode for process in started] == [-signal.SIGTERM]
 
 
 ORDERLY = """

@@ -12,10 +12,11 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from queue import Empty, SimpleQueue
+from types import FrameType
 
 from gecos.laboratory.description import CLOCK_VARIABLE, LaboratoryDescription, Program
 from gecos.laboratory.events import Event, Report, What, show
@@ -185,10 +186,11 @@ class RunningLaboratory:
 
     def _launch(self, program: Program) -> _Process:
         command = self._commands[program.name]
-        process = _Process(
-            program, command, self._environment, self._folder, self._events.put, self._report
-        )
-        self._processes[program.name] = process
+        with _signals_held_back():  # a process that is not listed yet would not be ended
+            process = _Process(
+                program, command, self._environment, self._folder, self._events.put, self._report
+            )
+            self._processes[program.name] = process
         return process
 
     def watch(self, timeout: float | None = None) -> None:
@@ -353,6 +355,27 @@ def _says(line: str, words: str) -> bool:
 def _below(folder: Path, name: str) -> Iterator[Path]:
     for depth in ("", "*/", "*/*/"):
         yield from sorted(folder.glob(depth + name))
+
+
+@contextmanager
+def _signals_held_back() -> Iterator[None]:
+    """Calls the handlers of signals that arrive in the block when the block ends. Such a handler
+    may raise an exception, for example KeyboardInterrupt."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # Python calls handlers in the main thread only
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    with ExitStack() as restored:
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            handler = signal.getsignal(number)
+            if callable(handler):
+                signal.signal(number, lambda number, frame: came.append((number, frame)))
+                restored.callback(signal.signal, number, handler)
+        yield
+    for arrived, frame in came:
+        handler = signal.getsignal(arrived)
+        assert callable(handler)
+        handler(arrived, frame)
 
 
 def _ends_with_us() -> list[str]:
