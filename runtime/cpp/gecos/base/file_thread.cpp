@@ -15,6 +15,8 @@ namespace gecos {
 namespace {
 
 constexpr Duration longest_job_at_end = std::chrono::seconds(1);
+/// `await` waits in steps of this length, so that a step that ends late shows a pause.
+constexpr Duration step = std::chrono::milliseconds(25);
 
 }  // namespace
 
@@ -30,7 +32,8 @@ struct FileThread::Shared {
   ConditionVariable changed;
   std::uint64_t asked GECOS_GUARDED_BY(mutex) = 0;      ///< number of the last run that is wanted
   std::uint64_t ended_run GECOS_GUARDED_BY(mutex) = 0;  ///< number of the last run that has ended
-  TimePoint since GECOS_GUARDED_BY(mutex) = TimePoint::max();  ///< begin of the run; max: none runs
+  /// Begin of the run, later by the pauses since then; max: none runs.
+  TimePoint since GECOS_GUARDED_BY(mutex) = TimePoint::max();
   bool must_end GECOS_GUARDED_BY(mutex) = false;
   bool ended GECOS_GUARDED_BY(mutex) = false;
 };
@@ -91,9 +94,18 @@ std::uint64_t FileThread::ask() {
 }
 
 bool FileThread::await(std::uint64_t run, Duration patience) {
+  const SystemClock clock;
   MutexLock lock(shared_->mutex);
-  const TimePoint began = std::min(shared_->since, SystemClock().now());
-  while (shared_->ended_run < run && shared_->changed.wait_until(lock, began + patience)) {
+  TimePoint until = std::min(shared_->since, clock.now()) + patience;
+  for (TimePoint now = clock.now(); shared_->ended_run < run && now < until; now = clock.now()) {
+    const TimePoint wake = std::min(now + step, until);
+    if (shared_->changed.wait_until(lock, wake)) continue;
+    // The thread of the job stood still as long as this thread.
+    const Duration late = clock.now() - wake;
+    until += late;
+    if (shared_->since != TimePoint::max()) {
+      shared_->since = std::min(shared_->since + late, clock.now());
+    }
   }
   return shared_->ended_run >= run;
 }

@@ -27,7 +27,7 @@ class FileThread {
   std::uint64_t ask();
   /// Waits until the run with this number has ended. Returns false if the run has not ended after
   /// `patience`. If an earlier run has not ended yet, `patience` counts from the beginning of that
-  /// run.
+  /// run. Time in which this process stands still, for example after SIGSTOP, does not count.
   bool await(std::uint64_t run, Duration patience);
 
  private:

@@ -21,6 +21,8 @@ constexpr Duration between_reads = std::chrono::milliseconds(25);
 /// A decision waits at most this long for the lab file to be read. After this time, the decision
 /// uses the lists that were read last.
 constexpr Duration answer_within = std::chrono::milliseconds(250);
+/// A registration may wait longer, because it is refused without the lab file.
+constexpr Duration registration_within = std::chrono::seconds(1);
 
 /// Returns whether `peer` runs as the user of the server or as root. If neither the kernel nor a
 /// key proves the user of `peer`, the user of the server is assumed.
@@ -167,7 +169,7 @@ AccessControl::Judgement AccessControl::judge_registration(const std::string& na
     const auto refused = [&](const std::string& why) {
       return Judgement{false, false, who, "no server may register " + name + " while " + why};
     };
-    if (!file_.read(answer_within)) {
+    if (!file_.read(registration_within)) {
       return refused("the file system of the lab file does not answer: " + file_.path());
     }
     if (const auto error = file_.found().error) {

@@ -22,7 +22,8 @@ struct Visitors;
 /// Decides which users may connect to the objects of one server (access::AccessPolicy), by the lab
 /// file (LabFileReader) and the lists of the program. The lab file is read again whenever a client
 /// of another user connects, so that an edit acts on the next connection. A decision waits at most
-/// 250 ms for the file; after that, it uses the lists that were read last. Thread-safe.
+/// 250 ms for the file; after that, it uses the lists that were read last. The registration of a
+/// name waits at most 1 s; after that, it is refused. Thread-safe.
 class AccessControl {
  public:
   /// @param lab_file the path of the lab file, as in LabOptions::lab_file
@@ -88,8 +89,8 @@ class AccessControl {
   /// lists that were read last and does not wait, because the caller holds the mutex of an object.
   bool administers(const media::Peer& peer) noexcept;
   /// Decides whether the server `peer` may register an object under `name` with the broker of this
-  /// process (access::may_register). While the lab file has an error, no server may register,
-  /// because the corrected file might bind the name to another server.
+  /// process (access::may_register). While the lab file has an error or is not read within 1 s, no
+  /// server may register, because the correct file might bind the name to another server.
   Judgement judge_registration(const std::string& name, const media::Peer& peer) noexcept;
   /// Decides whether `peer` may report for `source`, for example a door contact of `zone`, that a
   /// person is present (access::may_report). Uses the lists that were read last.
