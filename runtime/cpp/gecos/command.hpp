@@ -270,9 +270,9 @@ class GECOS_KEPT Command : public session::AnyCommand<Feedback> {
   tl::expected<T, Failure> get() const {
     if (auto ended = this->ended(); !ended) return tl::unexpected(std::move(ended.error()));
     wire::Decoder from(this->core()->result());
-    T value{};
-    if (!decode_(from, value)) {
-      return tl::unexpected(
+    tl::expected<T, Failure> value;
+    if (!decode_(from, *value)) {
+      value = tl::unexpected(
           Failure{Detail::Fault, "the reply does not decode: " + describe(from.error()), {}, {}});
     }
     return value;

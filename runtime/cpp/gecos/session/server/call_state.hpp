@@ -47,7 +47,9 @@ class CallState {
   };
 
   /// Returns the state after `event`; nullopt when `event` cannot happen in `state`.
-  static constexpr std::optional<State> after(State state, Event event);
+  static constexpr std::optional<State> after(State state, Event event) {
+    return apply(event, state) ? std::optional(state) : std::nullopt;
+  }
 
   /// `deadline`: a moment of Clock::since_boot; TimePoint::max() for no deadline.
   void set_deadline(TimePoint deadline) { deadline_ = deadline; }
@@ -56,14 +58,14 @@ class CallState {
   /// Applies `event`. `now`: the current time of Clock::since_boot, needed only for Begin. @pre
   /// `event` can happen in the current state
   Change on(Event event, TimePoint now = {}) {
-    const auto next = after(state_, event);
-    assert(next);
-    if (!next) return {};
-    const Change change{next->reported == Reported::Outcome && state_.reported != Reported::Outcome,
-                        next->phase == Phase::Finished && state_.phase != Phase::Finished};
-    state_ = *next;
+    const bool ended_before = ended();
+    const bool finished_before = state_.phase == Phase::Finished;
+    const bool possible = apply(event, state_);
+    assert(possible);
+    if (!possible) return {};
     if (event == Event::Begin) begun_at_ = now;
-    return change;
+    return {.report = ended() && !ended_before,
+            .finished = state_.phase == Phase::Finished && !finished_before};
   }
 
   Phase phase() const { return state_.phase; }
@@ -94,42 +96,64 @@ class CallState {
   }
 
  private:
+  /// Changes `state` by `event`. Returns false, and changes nothing, when `event` cannot happen in
+  /// `state`. The members are changed in place, because a copy of three bytes that were just
+  /// written makes the processor wait.
+  static constexpr bool apply(Event event, State& state);
+
   State state_;
   TimePoint deadline_ = TimePoint::max();
   TimePoint start_by_ = TimePoint::max();
   std::optional<TimePoint> begun_at_;
 };
 
-constexpr std::optional<CallState::State> CallState::after(State state, Event event) {
+constexpr bool CallState::apply(Event event, State& state) {
   const bool with_handler = state.phase == Phase::Taken || state.phase == Phase::Running;
   const bool ended = state.reported == Reported::Outcome;
+  const auto finish = [&state] {
+    state.phase = Phase::Finished;
+    state.reported = Reported::Outcome;
+    state.returned = false;
+  };
   switch (event) {
     case Event::Take:
-      if (state.phase != Phase::Queued) return std::nullopt;
-      return State{Phase::Taken, state.reported, false};
+      if (state.phase != Phase::Queued) return false;
+      state.phase = Phase::Taken;
+      return true;
     case Event::Begin:
-      if (state.phase != Phase::Taken || ended) return std::nullopt;
-      return State{Phase::Running, state.reported, state.returned};
+      if (state.phase != Phase::Taken || ended) return false;
+      state.phase = Phase::Running;
+      return true;
     case Event::Cancel:
-      if (!with_handler || state.reported != Reported::Nothing) return std::nullopt;
-      return State{state.phase, Reported::Canceling, state.returned};
+      if (!with_handler || state.reported != Reported::Nothing) return false;
+      state.reported = Reported::Canceling;
+      return true;
     case Event::End:
-      if (ended) return std::nullopt;
-      if (state.phase == Phase::Queued) return State{Phase::Finished, Reported::Outcome, false};
-      return State{state.phase, Reported::Outcome, state.returned};
+      if (ended) return false;
+      if (state.phase == Phase::Queued) state.phase = Phase::Finished;
+      state.reported = Reported::Outcome;
+      return true;
     case Event::Answer:
-      if (state.phase == Phase::Answered || state.phase == Phase::Finished) return state;
-      if (!with_handler) return std::nullopt;
-      return State{state.returned ? Phase::Finished : Phase::Answered, Reported::Outcome, false};
+      if (state.phase == Phase::Answered || state.phase == Phase::Finished) return true;
+      if (!with_handler) return false;
+      state.phase = state.returned ? Phase::Finished : Phase::Answered;
+      state.reported = Reported::Outcome;
+      state.returned = false;
+      return true;
     case Event::Return:
-      if (state.phase == Phase::Answered) return State{Phase::Finished, Reported::Outcome, false};
-      if (!with_handler || state.returned) return std::nullopt;
-      return State{state.phase, state.reported, true};
+      if (state.phase == Phase::Answered) {
+        finish();
+        return true;
+      }
+      if (!with_handler || state.returned) return false;
+      state.returned = true;
+      return true;
     case Event::Drop:
-      if (state.phase != Phase::Taken || state.returned || !ended) return std::nullopt;
-      return State{Phase::Finished, Reported::Outcome, false};
+      if (state.phase != Phase::Taken || state.returned || !ended) return false;
+      finish();
+      return true;
   }
-  return std::nullopt;
+  return false;
 }
 
 /// The progress of a running call, as reported to its caller. Reads no clock: the caller passes the

@@ -64,16 +64,16 @@ void tell_positions(const ObjectQueue& queue) {
 
 // The functions below take a call from the queue to the end of its handler.
 
-tl::expected<std::size_t, ObjectQueue::Full> ObjectCalls::add(
-    const std::shared_ptr<ServerCall>& call) {
-  const auto commands_before = queue_.push(call);
+tl::expected<std::size_t, ObjectQueue::Full> ObjectCalls::add(std::shared_ptr<ServerCall> added) {
+  const auto commands_before = queue_.push(added);
   if (!commands_before) return commands_before;
-  statistics_.queued(*call);
-  ServerSession& session = *call->session;
-  session.calls.insert(call->counter, call);
+  ServerCall& call = *added;
+  statistics_.queued(call);
+  ServerSession& session = *call.session;
+  session.calls.insert(call.counter, std::move(added));
   ++session.unreturned;
-  if (call->lane == CallLane::Actor) ++session.commands;
-  if (call->state.has_deadline()) list(*call);
+  if (call.lane == CallLane::Actor) ++session.commands;
+  if (call.state.has_deadline()) list(call);
   note_ready();
   return commands_before;
 }

@@ -53,8 +53,8 @@ class ObjectCalls {
 
   // The following functions take a call from the queue to the end of its handler.
 
-  /// Queues `call`. Returns the result of ObjectQueue::push.
-  tl::expected<std::size_t, ObjectQueue::Full> add(const std::shared_ptr<ServerCall>& call);
+  /// Queues `added`. Returns the result of ObjectQueue::push.
+  tl::expected<std::size_t, ObjectQueue::Full> add(std::shared_ptr<ServerCall> added);
   /// Removes the next call that may start from the queue and returns it; null when no call may
   /// start.
   std::shared_ptr<ServerCall> take();

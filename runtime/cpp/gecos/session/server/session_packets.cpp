@@ -33,38 +33,42 @@ void note_failed(const ObjectSetup& setup, ServerSession& session, const wire::P
   session.chain.failed({call.counter, std::string(operation->name), failure.detail, failure.text});
 }
 
-/// Records in the BlendChain of `session` that the call in `packet` has arrived, and what the
-/// client reports with the call. Returns the arguments of the call. Fails if the report is
+/// Returns the arguments of the call in `packet`, whose flags are not 0. If the client reports with
+/// the call which failures it knows, writes the report to `known`. Fails if the report is
 /// malformed, or if the packet has flags of a later version, with which the body may have another
 /// form.
+tl::expected<ByteView, Failure> arguments_of(const wire::PacketView& packet, ChainReport& known) {
+  const auto flags = packet.header.flags;
+  if (flags < 0 || flags > stands_alone) {
+    return tl::unexpected(Failure{Detail::BadParameter,
+                                  "the call has the flags " + std::to_string(flags) +
+                                      "; this server knows only the flags 0 to " +
+                                      std::to_string(stands_alone) + "; update the server",
+                                  {},
+                                  {}});
+  }
+  if (flags != reports) return packet.body;
+  wire::Decoder from(packet.body);
+  if (!known.decode(from)) {
+    known = {};
+    return tl::unexpected(Failure{Detail::BadParameter, from.error().message(), {}, {}});
+  }
+  return packet.body.last(from.remaining());
+}
+
+/// Records in the BlendChain of `session` that the call in `packet` has arrived, and what the
+/// client reports with the call. Returns the arguments of the call. Fails like `arguments_of`.
 tl::expected<ByteView, Failure> note_arrival(ServerSession& session, const wire::PacketView& packet,
                                              const OperationDescription* operation) {
   const wire::PacketHeader& header = packet.header;
   ChainReport known;
-  ByteView arguments = packet.body;
-  std::optional<Failure> malformed;
-  if (header.flags < 0 || header.flags > stands_alone) {
-    malformed = Failure{Detail::BadParameter,
-                        "the call has the flags " + std::to_string(header.flags) +
-                            "; this server knows only the flags 0 to " +
-                            std::to_string(stands_alone) + "; update the server",
-                        {},
-                        {}};
-  }
-  if (header.flags == reports) {
-    wire::Decoder from(packet.body);
-    if (!known.decode(from)) {
-      malformed = Failure{Detail::BadParameter, from.error().message(), {}, {}};
-      known = {};
-    }
-    arguments = packet.body.last(from.remaining());
-  }
+  tl::expected<ByteView, Failure> arguments = packet.body;
+  if (header.flags != 0) arguments = arguments_of(packet, known);
   if (operation != nullptr && commands_the_object(*operation)) {
     const bool under_it = number(header.epoch) >= session.held_from;
     session.chain.arrived(
         {header.counter, under_it ? session.held_from : 0, header.flags == stands_alone}, known);
   }
-  if (malformed) return tl::unexpected(*std::move(malformed));
   return arguments;
 }
 
@@ -383,18 +387,19 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
       return refuse(left_out->failure, left_out->because_of);
     }
   }
-  auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
+  auto made = make_recycled<ServerCall>(session, operation, packet.header.counter,
                                         packet.header.epoch, packet.body);
-  call->of_visitor = session->visit.visitor() != nullptr;
-  if (log_enabled(level_of(operation))) call->arrived = setup_.clock().now();
+  ServerCall& call = *made;
+  call.of_visitor = session->visit.visitor() != nullptr;
+  if (log_enabled(level_of(operation))) call.arrived = setup_.clock().now();
   if (packet.header.deadline > Duration{}) {
-    call->state.set_deadline(expiry(packet.header.deadline, setup_.clock().since_boot()));
+    call.state.set_deadline(expiry(packet.header.deadline, setup_.clock().since_boot()));
   }
   if (const Duration start_by = operation.quality.start_by; start_by > Duration{}) {
     const Duration left = std::max(start_by - age, Duration{1});
-    call->state.set_start_by(expiry(left, setup_.clock().since_boot()));
+    call.state.set_start_by(expiry(left, setup_.clock().since_boot()));
   }
-  const auto commands_before = calls_.add(call);
+  const auto commands_before = calls_.add(std::move(made));
   if (!commands_before) {
     return refuse({Detail::QueueFull,
                    "'" + std::string(operation.name) + "' of " + setup_.name +
@@ -402,14 +407,14 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
                    {},
                    {}});
   }
-  if (call->lane != CallLane::Actor) return;
-  if (operation.on_new == OnNew::Preempt) preempt(calls_, *call);
+  if (call.lane != CallLane::Actor) return;
+  if (operation.on_new == OnNew::Preempt) preempt(calls_, call);
   // A command that preempts others has just ended the commands before it, so the position of the
   // command is read from the queue.
-  const auto position = *commands_before == 0 ? 0 : calls_.queue().position(*call).value_or(0);
+  const auto position = *commands_before == 0 ? 0 : calls_.queue().position(call).value_or(0);
   if (position != 0 || session->repeats() || setup_.runs_long(operation)) {
-    call->position_sent = position;
-    if (position != 0) session->report(*call, Detail::Queued, position);
+    call.position_sent = position;
+    if (position != 0) session->report(call, Detail::Queued, position);
   }
 }
 
