@@ -1,13 +1,24 @@
 #include "gecos/media/buffers/ring.hpp"
 
 #include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstring>
 #include <random>
 #include <string>
 #include <thread>
 
+#include "gecos/base/event_fd.hpp"
+#include "gecos/base/process_barrier.hpp"
 #include "gecos/base/suspension.hpp"
 #include "gecos/media/buffers/mapping.hpp"
 #include "gecos/media/buffers/stream_ring.hpp"
@@ -27,6 +38,19 @@ struct TwoSides {
   RingReader reader{*reader_memory.control, writer_memory};
   TwoSides() { writer.set_reader(reader_memory.control); }
 };
+
+/// Makes the kernel refuse membarrier(2) to this thread from now on.
+bool forbid_membarrier() {
+  sock_filter steps[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, __NR_membarrier, 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  };
+  const sock_fprog filter{static_cast<unsigned short>(std::size(steps)), steps};
+  return ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
+         ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) == 0;
+}
 
 Bytes packet(std::size_t size, std::uint64_t seed) {
   Bytes bytes(size);
@@ -85,6 +109,82 @@ TEST(Ring, WithoutAKnownReaderItCanBeFilledOnce) {
   EXPECT_EQ(writer.write({}, {}).error(), SendProblem::Full);
   EXPECT_FALSE(writer.reader_sleeps());
   EXPECT_EQ(writer.taken(), 0u);
+}
+
+/// Lets each of two threads answer the other's packet and then sleep at once, so that each packet
+/// meets a reader that is about to sleep. A lost wake-up leaves both asleep.
+class SleepyPair {
+ public:
+  explicit SleepyPair(bool barriers) {
+    if (!barriers) return;
+    for (Side& side : sides_) use_barriers(*side.memory.control);
+  }
+
+  /// Returns how many of `rounds` packets the first side has sent and seen answered.
+  int exchange(int rounds) {
+    std::thread other([&] { run(sides_[1], sides_[0], rounds); });
+    sides_[0].writer.write({}, {});
+    wake(sides_[0], sides_[1]);
+    const int answered = run(sides_[0], sides_[1], rounds);
+    other.join();
+    return answered;
+  }
+
+ private:
+  struct Side {
+    Mapping mapping = Mapping::anonymous(RingMemory::bytes(few_slots));
+    RingMemory memory = RingMemory::at(mapping.data(), few_slots);
+    RingWriter writer{memory};
+    EventFd event;
+  };
+
+  static void wake(Side& from, Side& to) {
+    if (from.writer.reader_sleeps()) to.event.notify();
+  }
+  static int run(Side& own, Side& other, int rounds) {
+    own.writer.set_reader(other.memory.control);
+    RingReader reader(*own.memory.control, other.memory);
+    for (int taken = 0; taken < rounds;) {
+      if (reader.read()) {
+        ++taken;
+        own.writer.write({}, {});
+        wake(own, other);
+        continue;
+      }
+      const bool announced = announce_sleep(*own.memory.control);
+      if (announced && !reader.ready()) {
+        pollfd woken{own.event.descriptor(), POLLIN, 0};
+        if (::poll(&woken, 1, 10'000) != 1) return taken;
+      }
+      own.memory.control->asleep.store(0);
+      own.event.drain();
+    }
+    return rounds;
+  }
+
+  std::array<Side, 2> sides_;
+};
+
+TEST(Ring, NoWakeUpIsLostWhileAReaderFallsAsleep) {
+  constexpr int rounds = 20'000;
+  EXPECT_EQ(SleepyPair(false).exchange(rounds), rounds);
+  if (!join_barriers()) GTEST_SKIP() << "this kernel, or a seccomp filter, forbids membarrier(2)";
+  EXPECT_EQ(SleepyPair(true).exchange(rounds), rounds);
+}
+
+TEST(Ring, AReaderWhoseBarrierIsRefusedDoesNotSleepAndUsesNoneLater) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    RingControl own;
+    own.barriers.store(1);
+    ::_exit(forbid_membarrier() && !announce_sleep(own) && own.barriers.load() == 0 &&
+                    announce_sleep(own)
+                ? 0
+                : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
 TEST(Ring, AReaderThatLiesAboutItsProgressOnlyKeepsTheRingFull) {

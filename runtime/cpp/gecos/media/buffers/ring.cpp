@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "gecos/base/process_barrier.hpp"
 #include "gecos/base/suspension.hpp"
 
 namespace gecos::media {
@@ -52,6 +53,17 @@ std::uint32_t coarse_milliseconds() {
 
 }  // namespace
 
+void use_barriers(RingControl& own) {
+  own.barriers.store(join_barriers() ? 1 : 0, std::memory_order_relaxed);
+}
+
+bool announce_sleep(RingControl& own) {
+  own.asleep.store(1, std::memory_order_seq_cst);
+  if (own.barriers.load(std::memory_order_relaxed) == 0 || barrier_for_all()) return true;
+  own.barriers.store(0, std::memory_order_seq_cst);
+  return false;
+}
+
 void note_ring(RingControl& own) {
   own.rang_at.store(std::chrono::steady_clock::now().time_since_epoch().count(),
                     std::memory_order_relaxed);
@@ -67,7 +79,14 @@ std::uint64_t RingWriter::publish(std::size_t size, std::size_t slots) {
   RingSlot& first = own_.slots[position_ & mask_];
   first.size.store(static_cast<std::uint32_t>(size), std::memory_order_relaxed);
   first.stamp_ms.store(coarse_milliseconds(), std::memory_order_relaxed);
-  first.sequence.store(position_ + 1, std::memory_order_seq_cst);
+  // The store must be ordered before the check whether the reader sleeps. A barrier here would wait
+  // until the cache line has come from the core of the reader, which polls it.
+  if (reader_executes_barriers()) {
+    first.sequence.store(position_ + 1, std::memory_order_release);
+    std::atomic_signal_fence(std::memory_order_seq_cst);
+  } else {
+    first.sequence.store(position_ + 1, std::memory_order_seq_cst);
+  }
   position_ += slots;
   // Fetches the first cache line for the next packet now, while no thread waits for that packet.
   __builtin_prefetch(&own_.slots[position_ & mask_], 1);

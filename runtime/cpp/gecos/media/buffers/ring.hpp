@@ -37,6 +37,9 @@ struct RingControl {
   std::atomic<std::uint32_t> core{0};
   /// Time at which this side last notified the other side, in nanoseconds of the steady clock.
   std::atomic<std::int64_t> rang_at{0};
+  /// Nonzero if this side executes a barrier for all processes (process_barrier.hpp) after it has
+  /// stored to `asleep`. If it is nonzero on both sides, a writer needs no barrier of its own.
+  std::atomic<std::uint32_t> barriers{0};
   /// Number of heartbeats of this side. When the number rises, the maintenance thread of the other
   /// side knows that this side is alive.
   alignas(64) std::atomic<std::uint64_t> beats{0};
@@ -53,6 +56,13 @@ inline void note_core(RingControl& own) {
     own.core.store(core, std::memory_order_relaxed);
   }
 }
+/// Joins this process to the barriers of all processes, and publishes in `own` whether this has
+/// succeeded. Must be called before the other side gets the memory.
+void use_barriers(RingControl& own);
+/// Publishes in `own` that this side sleeps from now on. The caller must then check once more
+/// whether a packet can be read. Returns false if the side must not sleep now, because the kernel
+/// has just refused a barrier; the next sleep does without.
+bool announce_sleep(RingControl& own);
 /// Publishes in `own` the current time as the time at which the owner notifies the other side.
 void note_ring(RingControl& own);
 /// Reads from `control` the core, the sleep state and the time of the last notification that a side
@@ -148,6 +158,12 @@ class RingWriter {
 
  private:
   std::size_t free_slots(std::size_t wanted);
+  /// Returns whether a reader that is about to sleep executes a barrier for this side, too.
+  bool reader_executes_barriers() const {
+    const RingControl* reader = reader_.load(std::memory_order_acquire);
+    return reader != nullptr && reader->barriers.load(std::memory_order_relaxed) != 0 &&
+           own_.control->barriers.load(std::memory_order_relaxed) != 0;
+  }
   [[gnu::always_inline]] inline std::uint64_t publish(std::size_t size, std::size_t slots);
 
   const RingMemory own_;
@@ -173,8 +189,8 @@ class RingReader {
     if (slot.sequence.load(std::memory_order_acquire) != position_ + 1) return std::nullopt;
     return take(slot);
   }
-  /// Returns whether a packet can be read. This check is ordered after the store to
-  /// RingControl::asleep, so that no wake-up is lost.
+  /// Returns whether a packet can be read. This check is ordered after announce_sleep(), so that no
+  /// wake-up is lost.
   bool ready() const {
     return writer_.slots[position_ & mask_].sequence.load(std::memory_order_seq_cst) ==
            position_ + 1;

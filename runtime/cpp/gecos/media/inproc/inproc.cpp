@@ -109,6 +109,7 @@ class InprocConnection final : public Connection, public QuietSender {
         sleeper_(std::make_shared<SideSleeper>(pair_, 1 - side)),
         descriptors_{own_.event.descriptor()},
         peer_{::geteuid(), ::getpid(), "this process"} {
+    use_barriers(*own_.ring.control);
     writer_.set_reader(other_.ring.control);
   }
   ~InprocConnection() override {
@@ -145,8 +146,9 @@ class InprocConnection final : public Connection, public QuietSender {
 
   bool prepare_to_sleep() override {
     own_.bulk.rest();
-    own_.ring.control->asleep.store(1, std::memory_order_seq_cst);
-    if (!reader_.ready() && !watches_.anything_new() && loss() == Loss::None) return true;
+    const bool announced = announce_sleep(*own_.ring.control);
+    if (announced && !reader_.ready() && !watches_.anything_new() && loss() == Loss::None)
+      return true;
     own_.ring.control->asleep.store(0, std::memory_order_relaxed);
     return false;
   }

@@ -56,7 +56,9 @@ ShmConnection::ShmConnection(Role role, std::shared_ptr<PeerEnd> other, Peer pee
       streams_(limits_of(role)),
       unsent_(other_->socket()),
       fork_watch_(this,
-                  [](void* owner) noexcept { static_cast<ShmConnection*>(owner)->abandon(); }) {}
+                  [](void* owner) noexcept { static_cast<ShmConnection*>(owner)->abandon(); }) {
+  use_barriers(*own_.control);
+}
 
 tl::expected<std::unique_ptr<Connection>, MediumError> ShmConnection::greet(Descriptor socket,
                                                                             Peer peer,
@@ -163,9 +165,10 @@ std::optional<std::uint64_t> ShmConnection::taken_by_peer() {
 
 bool ShmConnection::prepare_to_sleep() {
   bulk_.in.rest();
-  own_.control->asleep.store(1, std::memory_order_seq_cst);
+  const bool announced = announce_sleep(*own_.control);
   const bool packet = other_->known() && reader_->ready();
-  if (!packet && !watches_.anything_new() && loss_.load(std::memory_order_seq_cst) == Loss::None) {
+  if (announced && !packet && !watches_.anything_new() &&
+      loss_.load(std::memory_order_seq_cst) == Loss::None) {
     return true;
   }
   own_.control->asleep.store(0, std::memory_order_relaxed);
