@@ -41,12 +41,15 @@ class SlowFile {
 TEST(FileThread, AwaitEndsWhenTheFileSystemDoesNotAnswer) {
   SlowFile file;
   FileThread thread("test-files", [&] { file.read(); });
-  EXPECT_FALSE(thread.await(thread.ask(), milliseconds(60)));
+  const std::uint64_t first = thread.ask();
+  file.await_reading();
+  EXPECT_FALSE(thread.await(first, milliseconds(500)));
 
   const std::uint64_t next = thread.ask();
   const auto before = std::chrono::steady_clock::now();
-  EXPECT_FALSE(thread.await(next, milliseconds(60)));  // counts from the beginning of the first run
-  EXPECT_LT(std::chrono::steady_clock::now() - before, milliseconds(60));
+  EXPECT_FALSE(
+      thread.await(next, milliseconds(500)));  // counts from the beginning of the first run
+  EXPECT_LT(std::chrono::steady_clock::now() - before, milliseconds(250));
 
   file.answer();
   file.answer();
@@ -58,15 +61,17 @@ TEST(FileThread, TimeInWhichTheProcessStandsStillDoesNotCount) {
   const pid_t child = ::fork();
   if (child == 0) {
     FileThread thread("test-files", [&] { file.read(); });
-    ::_exit(thread.await(thread.ask(), milliseconds(200)) ? 0 : 1);
+    ::_exit(thread.await(thread.ask(), milliseconds(1000)) ? 0 : 1);
   }
   file.await_reading();
+  std::this_thread::sleep_for(milliseconds(100));  // so that the pause comes during `await`
   ::kill(child, SIGSTOP);
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, WUNTRACED), child);
   ASSERT_TRUE(WIFSTOPPED(status));
-  std::this_thread::sleep_for(milliseconds(400));  // the time that must not count
+  std::this_thread::sleep_for(milliseconds(1200));  // the time that must not count
   ::kill(child, SIGCONT);
+  std::this_thread::sleep_for(milliseconds(100));  // the file system answers a little later
   file.answer();
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);

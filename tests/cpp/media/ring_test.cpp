@@ -116,8 +116,10 @@ TEST(Ring, WithoutAKnownReaderItCanBeFilledOnce) {
 class SleepyPair {
  public:
   explicit SleepyPair(bool barriers) {
-    if (!barriers) return;
-    for (Side& side : sides_) use_barriers(*side.memory.control);
+    for (std::size_t side : {0, 1}) {
+      if (barriers) use_barriers(*sides_[side].memory.control);
+      sides_[side].writer.set_reader(sides_[1 - side].memory.control);
+    }
   }
 
   /// Returns how many of `rounds` packets the first side has sent and seen answered.
@@ -142,7 +144,6 @@ class SleepyPair {
     if (from.writer.reader_sleeps()) to.event.notify();
   }
   static int run(Side& own, Side& other, int rounds) {
-    own.writer.set_reader(other.memory.control);
     RingReader reader(*own.memory.control, other.memory);
     for (int taken = 0; taken < rounds;) {
       if (reader.read()) {
@@ -166,25 +167,26 @@ class SleepyPair {
 };
 
 TEST(Ring, NoWakeUpIsLostWhileAReaderFallsAsleep) {
-  constexpr int rounds = 20'000;
-  EXPECT_EQ(SleepyPair(false).exchange(rounds), rounds);
+  EXPECT_EQ(SleepyPair(false).exchange(10'000), 10'000);
   if (!join_barriers()) GTEST_SKIP() << "this kernel, or a seccomp filter, forbids membarrier(2)";
-  EXPECT_EQ(SleepyPair(true).exchange(rounds), rounds);
+  EXPECT_EQ(SleepyPair(true).exchange(60'000), 60'000);
 }
 
 TEST(Ring, AReaderWhoseBarrierIsRefusedDoesNotSleepAndUsesNoneLater) {
+  constexpr int no_filter = 77;
   const pid_t child = ::fork();
   if (child == 0) {
+    if (!forbid_membarrier()) ::_exit(no_filter);
     RingControl own;
     own.barriers.store(1);
-    ::_exit(forbid_membarrier() && !announce_sleep(own) && own.barriers.load() == 0 &&
-                    announce_sleep(own)
-                ? 0
-                : 1);
+    const bool slept = announce_sleep(own);
+    ::_exit(!slept && own.barriers.load() == 0 && announce_sleep(own) ? 0 : 1);
   }
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == no_filter) GTEST_SKIP() << "this kernel has no seccomp filters";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 TEST(Ring, AReaderThatLiesAboutItsProgressOnlyKeepsTheRingFull) {

@@ -32,8 +32,9 @@ struct FileThread::Shared {
   ConditionVariable changed;
   std::uint64_t asked GECOS_GUARDED_BY(mutex) = 0;      ///< number of the last run that is wanted
   std::uint64_t ended_run GECOS_GUARDED_BY(mutex) = 0;  ///< number of the last run that has ended
-  /// Begin of the run, later by the pauses since then; max: none runs.
-  TimePoint since GECOS_GUARDED_BY(mutex) = TimePoint::max();
+  /// Number of the run that is under way; without one, of the last run.
+  std::uint64_t current_run GECOS_GUARDED_BY(mutex) = 0;
+  TimePoint since GECOS_GUARDED_BY(mutex) = TimePoint::max();  ///< begin of the run; max: none runs
   bool must_end GECOS_GUARDED_BY(mutex) = false;
   bool ended GECOS_GUARDED_BY(mutex) = false;
 };
@@ -44,6 +45,7 @@ void FileThread::Shared::work() {
     while (!must_end && asked == ended_run) changed.wait(lock);
     if (must_end) break;
     const std::uint64_t run = asked;
+    current_run = run;
     since = SystemClock().now();
     lock.unlock();
     run_job();
@@ -96,16 +98,20 @@ std::uint64_t FileThread::ask() {
 bool FileThread::await(std::uint64_t run, Duration patience) {
   const SystemClock clock;
   MutexLock lock(shared_->mutex);
-  TimePoint until = std::min(shared_->since, clock.now()) + patience;
-  for (TimePoint now = clock.now(); shared_->ended_run < run && now < until; now = clock.now()) {
+  TimePoint now = clock.now();
+  TimePoint until = now + patience;
+  if (shared_->since != TimePoint::max() && shared_->current_run < run) {
+    until = std::max(shared_->since + patience, now + std::min(step, patience));
+  }
+  while (shared_->ended_run < run && now < until) {
     const TimePoint wake = std::min(now + step, until);
-    if (shared_->changed.wait_until(lock, wake)) continue;
-    // The thread of the job stood still as long as this thread.
-    const Duration late = clock.now() - wake;
+    const bool notified = shared_->changed.wait_until(lock, wake);
+    now = clock.now();
+    if (notified) continue;
+    // While this thread stood still, the thread of the job may have stood still, too.
+    const Duration late = now - wake;
     until += late;
-    if (shared_->since != TimePoint::max()) {
-      shared_->since = std::min(shared_->since + late, clock.now());
-    }
+    if (late > step) until = std::max(until, now + step);
   }
   return shared_->ended_run >= run;
 }

@@ -27,7 +27,8 @@ class FileThread {
   std::uint64_t ask();
   /// Waits until the run with this number has ended. Returns false if the run has not ended after
   /// `patience`. If an earlier run has not ended yet, `patience` counts from the beginning of that
-  /// run. Time in which this process stands still, for example after SIGSTOP, does not count.
+  /// run, but the wait takes at least 25 ms. If this process stands still meanwhile, for example
+  /// after SIGSTOP, the pause does not count, except for its first 25 ms.
   bool await(std::uint64_t run, Duration patience);
 
  private:

@@ -12,14 +12,15 @@ namespace gecos {
 
 /// Joins this process to the barriers: from now on `barrier_for_all`, called in any process of this
 /// host, also orders the memory accesses of the threads of this process. Returns false when the
-/// kernel does not allow it: Linux before 4.16, or a seccomp filter. The first call takes about
-/// 10 ms, each later one less than 1 µs. A forked child should call the function again.
+/// kernel does not allow it: Linux before 4.16, or a seccomp filter. In a process with several
+/// threads the first call waits for a grace period of the kernel, for example 10 ms. Each later
+/// call takes less than 1 µs. A forked child should call the function again.
 bool join_barriers() noexcept;
 
 /// Executes a full memory barrier on every running thread of every process of this host that has
 /// joined. Takes less than 1 µs while no thread of such a process runs on another core, and some µs
-/// otherwise. Returns false, without a barrier, when the kernel does not allow it: this process has
-/// not joined, or has restricted its system calls since it joined.
+/// otherwise. Returns false, without a barrier, when the kernel does not allow it, for example
+/// because this process has restricted its system calls.
 [[nodiscard]] bool barrier_for_all() noexcept;
 
 }  // namespace gecos

@@ -233,8 +233,8 @@ class Connection {
   virtual std::optional<std::uint64_t> taken_by_peer() = 0;
 
   /// Announces that this end is about to sleep on `descriptors()`. Returns false when a packet has
-  /// arrived or the connection is lost; the caller must then not sleep. The caller must call
-  /// `woke()` afterwards, whatever the result.
+  /// arrived, the connection is lost, or the announcement has failed; the caller must then not
+  /// sleep, but poll again. The caller must call `woke()` afterwards, whatever the result.
   virtual bool prepare_to_sleep() = 0;
   virtual void woke() = 0;
   /// Returns the file descriptors that become readable when a packet or sample may have arrived, or

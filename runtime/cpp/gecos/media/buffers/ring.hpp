@@ -57,7 +57,7 @@ inline void note_core(RingControl& own) {
   }
 }
 /// Joins this process to the barriers of all processes, and publishes in `own` whether this has
-/// succeeded. Must be called before the other side gets the memory.
+/// succeeded. Must be called before this side sleeps for the first time.
 void use_barriers(RingControl& own);
 /// Publishes in `own` that this side sleeps from now on. The caller must then check once more
 /// whether a packet can be read. Returns false if the side must not sleep now, because the kernel
@@ -151,7 +151,9 @@ class RingWriter {
   /// write().
   bool reader_sleeps() const {
     const RingControl* reader = reader_.load(std::memory_order_acquire);
-    return reader != nullptr && reader->asleep.load(std::memory_order_seq_cst) != 0;
+    if (reader == nullptr) return false;
+    if (reader_executes_barriers()) return reader->asleep.load(std::memory_order_relaxed) != 0;
+    return reader->asleep.load(std::memory_order_seq_cst) != 0;
   }
   /// Returns the number of packets that the reader has taken. Any thread may call this function.
   std::uint64_t taken() const;

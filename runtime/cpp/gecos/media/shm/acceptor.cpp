@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/process_barrier.hpp"
 #include "gecos/base/system_error.hpp"
 #include "gecos/media/shm/connection.hpp"
 #include "gecos/media/shm/memory.hpp"
@@ -216,6 +217,7 @@ ShmAcceptor::ShmAcceptor(std::string path, Descriptor listener)
       spare_(::open("/dev/null", O_RDONLY | O_CLOEXEC)),
       descriptors_{epoll_.get()},
       fork_watch_(this, [](void* owner) noexcept { static_cast<ShmAcceptor*>(owner)->abandon(); }) {
+  join_barriers();  // now, because the first call may take long, and accept() must not wait
   for (const int descriptor : {listener_.get(), more_.descriptor()}) {
     epoll_event event{EPOLLIN, {.fd = descriptor}};
     if (epoll_ && ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, descriptor, &event) == 0) continue;

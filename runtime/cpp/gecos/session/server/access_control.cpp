@@ -22,7 +22,7 @@ constexpr Duration between_reads = std::chrono::milliseconds(25);
 /// uses the lists that were read last.
 constexpr Duration answer_within = std::chrono::milliseconds(250);
 /// A registration may wait longer, because it is refused without the lab file.
-constexpr Duration registration_within = std::chrono::seconds(1);
+constexpr Duration registration_within = std::chrono::milliseconds(500);
 
 /// Returns whether `peer` runs as the user of the server or as root. If neither the kernel nor a
 /// key proves the user of `peer`, the user of the server is assumed.

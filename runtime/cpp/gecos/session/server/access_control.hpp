@@ -23,7 +23,7 @@ struct Visitors;
 /// file (LabFileReader) and the lists of the program. The lab file is read again whenever a client
 /// of another user connects, so that an edit acts on the next connection. A decision waits at most
 /// 250 ms for the file; after that, it uses the lists that were read last. The registration of a
-/// name waits at most 1 s; after that, it is refused. Thread-safe.
+/// name waits at most 500 ms; after that, it is refused. Thread-safe.
 class AccessControl {
  public:
   /// @param lab_file the path of the lab file, as in LabOptions::lab_file
@@ -89,7 +89,7 @@ class AccessControl {
   /// lists that were read last and does not wait, because the caller holds the mutex of an object.
   bool administers(const media::Peer& peer) noexcept;
   /// Decides whether the server `peer` may register an object under `name` with the broker of this
-  /// process (access::may_register). While the lab file has an error or is not read within 1 s, no
+  /// process (access::may_register). While the lab file has an error or is not read within 500 ms, no
   /// server may register, because the correct file might bind the name to another server.
   Judgement judge_registration(const std::string& name, const media::Peer& peer) noexcept;
   /// Decides whether `peer` may report for `source`, for example a door contact of `zone`, that a
