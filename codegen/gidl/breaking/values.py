@@ -140,7 +140,7 @@ def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
 
 
 def _base(model: Model, struct: Struct) -> str:
-    """Returns the base of a struct in words. A renamed base has the name that its @hash_as
+    """Returns a text that names the base of a struct. A renamed base has the name that its @hash_as
     keeps."""
     if struct.base is None:
         return "no base"

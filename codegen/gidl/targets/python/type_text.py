@@ -54,7 +54,7 @@ class Types:
         self.module = module  # names in the module that is printed
 
     def within(self, module: ModuleNames) -> Self:
-        """Returns a copy that prints texts for another module."""
+        """Returns a copy of this object that writes type hints for another generated module."""
         return type(self)(self.model, self.layout, module)
 
     def hint(self, node: Node, sending: bool = False) -> str:

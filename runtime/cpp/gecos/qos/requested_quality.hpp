@@ -12,8 +12,8 @@ namespace gecos::qos {
 /// applies these terms and takes them from the interface. CreateOptions has members of their own
 /// for the latency and the medium.
 struct RequestedQuality {
-  /// Demanded of the medium. With SoftRealtime or HardRealtime, each `latency` that the interface
-  /// declares limits the round trip.
+  /// The class that the medium must have. With SoftRealtime or HardRealtime, each `latency` that
+  /// the interface declares limits the round trip.
   Class line = Class::TimeIndependent;
   /// Reliable: the samples of streams, events and inward streams demand a medium over which none is
   /// lost on its way. Calls have this anyway.

@@ -24,8 +24,8 @@ namespace gecos::session {
 /// clock. Not thread-safe.
 class BlendChain {
  public:
-  /// A command that did not succeed for a reason of its own: not one that was left out because of
-  /// an earlier failure.
+  /// A command that failed for a reason of its own. A command that was not carried out because an
+  /// earlier command had failed is none of these.
   struct Failed {
     std::uint64_t counter = 0;
     std::string operation;  ///< for example "move"

@@ -396,8 +396,9 @@ void IoLoop::end() {
     new_endpoints_.clear();
   }
   for (const auto& session : sessions_.remove_if([](const auto&) { return true; })) {
-    // The object refuses the unread calls. Over a medium that cannot tell the client which packets
-    // were read, only a reply to each call tells the client that the call did not start.
+    // The object refuses the calls that the server has not read before it ends. Over a medium that
+    // cannot tell the client which packets were read, only a reply to each call tells the client
+    // that the call did not start.
     while (session->repeats() && !session->gone.load()) {
       const auto packet = session->connection().receive();
       if (!packet) break;

@@ -28,8 +28,8 @@ class PacketSender {
   /// null.
   void reply(const wire::PacketHeader& header, ByteView result, ReplyCache* kept);
   void reply(const wire::PacketHeader& header, const Failure& failure, ReplyCache* kept);
-  /// Sends a reply that was sent in another session before, even when many packets wait in this
-  /// object. A reply that is too large for the connection is replaced by a failure.
+  /// Sends a reply that was sent in another session before, even when many packets wait to be sent
+  /// in this session. A reply that is too large for the connection is replaced by a failure.
   void reply_again(const wire::PacketHeader& header, ByteView body, ReplyCache* kept);
   /// Sends a packet at once, without waking a client that sleeps. Does not send it and returns
   /// false when the connection has no room.

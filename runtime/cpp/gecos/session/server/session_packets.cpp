@@ -33,8 +33,8 @@ void note_failed(const ObjectSetup& setup, ServerSession& session, const wire::P
   session.chain.failed({call.counter, std::string(operation->name), failure.detail, failure.text});
 }
 
-/// Returns the arguments of the call in `packet`, whose flags are not 0. If the client reports with
-/// the call which failures it knows, writes the report to `known`. Fails if the report is
+/// Returns the arguments of the call in `packet`, whose flags are not 0. If the packet also reports
+/// which failures the client has noticed, writes this report to `known`. Fails if the report is
 /// malformed, or if the packet has flags of a later version, with which the body may have another
 /// form.
 tl::expected<ByteView, Failure> arguments_of(const wire::PacketView& packet, ChainReport& known) {
