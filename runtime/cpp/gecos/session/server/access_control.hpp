@@ -89,8 +89,8 @@ class AccessControl {
   /// lists that were read last and does not wait, because the caller holds the mutex of an object.
   bool administers(const media::Peer& peer) noexcept;
   /// Decides whether the server `peer` may register an object under `name` with the broker of this
-  /// process (access::may_register). While the lab file has an error or is not read within 500 ms, no
-  /// server may register, because the correct file might bind the name to another server.
+  /// process (access::may_register). While the lab file has an error or is not read within 500 ms,
+  /// no server may register, because the correct file might bind the name to another server.
   Judgement judge_registration(const std::string& name, const media::Peer& peer) noexcept;
   /// Decides whether `peer` may report for `source`, for example a door contact of `zone`, that a
   /// person is present (access::may_report). Uses the lists that were read last.
