@@ -26,6 +26,7 @@ bool handled(int signal) {
 
 TEST(TerminationSignals, IsSeenWhicheverThreadGetsTheSignal) {
   for (const int signal : {SIGINT, SIGTERM}) {
+    ::signal(signal, SIG_DFL);  // `nohup … &` would have SIGINT ignored
     const TerminationSignals asked;
     EXPECT_FALSE(has_come(asked)) << "the signal of an earlier run";
     std::thread([signal] { pthread_kill(pthread_self(), signal); }).join();
