@@ -1,6 +1,7 @@
 #include "gecos/base/file_thread.hpp"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -47,8 +48,8 @@ TEST(FileThread, AwaitEndsWhenTheFileSystemDoesNotAnswer) {
 
   const std::uint64_t next = thread.ask();
   const auto before = std::chrono::steady_clock::now();
-  EXPECT_FALSE(
-      thread.await(next, milliseconds(500)));  // counts from the beginning of the first run
+  // The patience counts from the beginning of the first run.
+  EXPECT_FALSE(thread.await(next, milliseconds(500)));
   EXPECT_LT(std::chrono::steady_clock::now() - before, milliseconds(450));
 
   file.answer();
@@ -58,23 +59,27 @@ TEST(FileThread, AwaitEndsWhenTheFileSystemDoesNotAnswer) {
 
 TEST(FileThread, TimeInWhichTheProcessStandsStillDoesNotCount) {
   SlowFile file;
+  int ended[2];  // the end of the child closes its end of this pipe
+  ASSERT_EQ(::pipe(ended), 0);
   const pid_t child = ::fork();
   if (child == 0) {
     FileThread thread("test-files", [&] { file.read(); });
     ::_exit(thread.await(thread.ask(), milliseconds(1000)) ? 0 : 1);
   }
+  ::close(ended[1]);
   file.await_reading();
-  std::this_thread::sleep_for(milliseconds(100));  // so that the pause comes during `await`
   ::kill(child, SIGSTOP);
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, WUNTRACED), child);
   ASSERT_TRUE(WIFSTOPPED(status));
   std::this_thread::sleep_for(milliseconds(1200));  // the time that must not count
   ::kill(child, SIGCONT);
-  std::this_thread::sleep_for(milliseconds(100));  // the file system answers a little later
+  pollfd end_of_child{ended[0], POLLIN, 0};
+  EXPECT_EQ(::poll(&end_of_child, 1, 100), 0) << "the child does not wait any more";
   file.answer();
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  ::close(ended[0]);
 }
 
 }  // namespace
