@@ -22,6 +22,9 @@ from pathlib import Path
 
 TREE = Path(__file__).resolve().parent.parent
 LONGEST_LANE = 20 * 60.0  # s; the lane `compiler` takes 12 minutes at low priority on two cores
+LONGEST_LIST = (
+    20  # of the failures of a lane in the summary; the output of the lane has all of them
+)
 # A network of its own, in which multicast stays: `unshare -n` needs to be root.
 OWN_NETWORK = (
     "unshare",
@@ -35,11 +38,13 @@ OWN_NETWORK = (
 
 @dataclass(frozen=True, slots=True)
 class Lane:
-    """One runner. `closing` is a pattern for the line of its output that sums up the run."""
+    """One runner. `closing` is a pattern for the line of its output that sums up the run, `failure`
+    one for a line that names a test that failed."""
 
     name: str
     command: tuple[str, ...]
     closing: str
+    failure: str | None = None
     shares_network: bool = False
     alone: bool = False
     beside: bool = False  # may run beside the lanes that share the network
@@ -53,6 +58,7 @@ class Verdict:
     seconds: float
     processor_seconds: float = 0.0
     """Of the lane and of all the processes that it started and waited for."""
+    failures: tuple[str, ...] = ()
 
 
 def all_lanes(build: str, jobs: int) -> list[Lane]:
@@ -65,7 +71,10 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
     )
     documented = ("tests/docs", sdk)
     of_python = (*compiling, "tests/docs", "tests/system", "tests/stress")
-    pytest_sum = r"^=+ .*(passed|failed|error|no tests).* =+$"
+    pytest_lines = (
+        r"^=+ .*(passed|failed|error|no tests).* =+$",
+        r"^(FAILED|ERROR) ",
+    )
     return [
         Lane("host", (python, "tools/check_host.py"), r"^check_host: "),
         Lane("layers", (python, "tools/check_layers.py"), r"^check_layers: "),
@@ -91,6 +100,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
                 f"-j{2 * jobs}",
             ),
             r"^\d+% tests passed",
+            r"^\d+ - .*\((?!Skipped|Disabled)|: Failure$",
         ),
         # No test in this lane measures time, so it uses only the time that other lanes leave.
         Lane(
@@ -99,16 +109,16 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
                 *("nice", "-n", "19", python, "-m", "pytest", f"-n{jobs}", "--dist=worksteal"),
                 *("--timeout=1200", "--durations=12", *compiling),
             ),
-            pytest_sum,
+            *pytest_lines,
             beside=True,
         ),
         # This lane compiles, too. At low priority it would run for long beside the other lanes.
-        Lane("docs", (python, "-m", "pytest", *documented), pytest_sum, beside=True),
+        Lane("docs", (python, "-m", "pytest", *documented), *pytest_lines, beside=True),
         # Busy loops on every core would keep the programs of other lanes from running.
         Lane(
             "bench-peers",
             (python, "-m", "pytest", peers),
-            pytest_sum,
+            *pytest_lines,
             shares_network=True,
             alone=True,
         ),
@@ -118,17 +128,19 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
                 *(python, "-m", "pytest", "tests/system"),
                 *(f"--ignore={file}" for file in (sdk, peers, *robots)),
             ),
-            pytest_sum,
+            *pytest_lines,
             shares_network=True,
         ),
-        Lane("robots", (python, "-m", "pytest", *robots), pytest_sum, shares_network=True),
+        Lane("robots", (python, "-m", "pytest", *robots), *pytest_lines, shares_network=True),
         Lane(
             "pytest",
             (python, "-m", "pytest", *(f"--ignore={f}" for f in of_python)),
-            pytest_sum,
+            *pytest_lines,
             shares_network=True,
         ),
-        Lane("stress", (python, "-m", "pytest", "tests/stress"), pytest_sum, shares_network=True),
+        Lane(
+            "stress", (python, "-m", "pytest", "tests/stress"), *pytest_lines, shares_network=True
+        ),
     ]
 
 
@@ -164,6 +176,7 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
     watch = threading.Timer(limit, end)
     watch.start()
     closing = last = ""
+    failures = []
     with process:
         assert process.stdout is not None
         for line in process.stdout:
@@ -172,6 +185,8 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
             last = text or last
             if re.search(lane.closing, text):
                 closing = text
+            if lane.failure is not None and re.search(lane.failure, text):
+                failures.append(text)
         status, used = wait_for(process)
     watch.cancel()
 
@@ -179,7 +194,8 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
         closing = f"killed: not done after {limit:.0f} s"
     elif status < 0:
         closing = f"died of {signal.Signals(-status).name}"
-    return Verdict(lane, status == 0, closing or last, time.monotonic() - started, used)
+    seconds = time.monotonic() - started
+    return Verdict(lane, status == 0, closing or last, seconds, used, tuple(failures))
 
 
 def wait_for(process: subprocess.Popen[str]) -> tuple[int, float]:
@@ -233,11 +249,15 @@ def at_a_time(cores: int) -> int:
 
 def summary(verdicts: Sequence[Verdict]) -> str:
     width = max(len(verdict.lane.name) for verdict in verdicts)
-    lines = [
-        f"{'passed' if verdict.passed else 'FAILED'}  {verdict.lane.name:<{width}}  "
-        f"{verdict.seconds:6.1f} s  cpu {verdict.processor_seconds:6.1f} s  {verdict.closing_line}"
-        for verdict in verdicts
-    ]
+    lines = []
+    for verdict in verdicts:
+        lines.append(
+            f"{'passed' if verdict.passed else 'FAILED'}  {verdict.lane.name:<{width}}  "
+            f"{verdict.seconds:6.1f} s  cpu {verdict.processor_seconds:6.1f} s  "
+            f"{verdict.closing_line}"
+        )
+        if not verdict.passed:
+            lines += [f"        {failure}" for failure in verdict.failures[:LONGEST_LIST]]
     failed = [verdict.lane.name for verdict in verdicts if not verdict.passed]
     lines.append(f"FAILED: {', '.join(failed)}" if failed else f"all {len(verdicts)} lanes passed")
     return "\n".join(lines)

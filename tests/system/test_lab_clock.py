@@ -62,16 +62,23 @@ def test_a_fast_clock_changes_no_set_point(arm: str, lab_with_broker: Laboratory
     robot = start(lab_with_broker, arm, "FAST", FAST)
     assert robot.clock_speed().result() == FAST
     assert robot.cycle().result() == CYCLE, "simulated time"
-    fast = moved(robot)
-    # The reader gets 5000 samples a second, and may lose some. The others show that each set point
-    # lasted one cycle.
-    cycles = []
-    for number, joints in fast.items():
-        away = np.abs(expected - joints).max(axis=1)
-        assert away.min() <= 1e-9, f"{joints} is no set point of the slow motion"
-        cycles.append(number - away.argmin())
-    assert set(cycles) == {cycles[0]}
-    assert len(fast) > len(expected) / 4
+    start_of_move = robot.commanded_joints().result()
+    # The reader gets 5000 samples a second, and may lose most of a move while it waits for a
+    # processor. The others show that each set point lasted one cycle.
+    for _ in range(20):
+        fast = moved(robot)
+        cycles = []
+        for number, joints in fast.items():
+            away = np.abs(expected - joints).max(axis=1)
+            assert away.min() <= 1e-9, f"{joints} is no set point of the slow motion"
+            cycles.append(number - away.argmin())
+        assert len(set(cycles)) <= 1
+        if len(fast) > len(expected) / 4:
+            break
+        with gecos.actor(robot):
+            robot.move_joints(start_of_move).result()
+    else:
+        pytest.fail(f"of the last of 20 moves {len(fast)} set points were read")
     assert robot.missed_cycles().result() == 0
 
 

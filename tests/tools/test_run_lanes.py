@@ -3,6 +3,7 @@
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -46,6 +47,24 @@ def test_a_lane_that_hangs_is_killed_with_what_it_started() -> None:
     verdict = run(lane(hang), limit=1.0)
     assert not verdict.passed
     assert verdict.closing_line == "killed: not done after 1 s"
+
+
+@pytest.mark.parametrize(
+    ("runner", "line"),
+    [
+        ("ctest", "\t1128 - ring_test.Ring.Holds (Failed)"),
+        ("ctest", "\t12 - ring_test.Ring.Holds (Timeout)"),
+        ("ctest", "/tests/cpp/media/ring_test.cpp:170: Failure"),
+        ("systems", "FAILED tests/system/test_up.py::test_a_lab[rx90] - assert 1 == 2"),
+        ("stress", "ERROR tests/stress/test_keys.py - ImportError"),
+    ],
+)
+def test_a_failure_is_in_the_summary(runner: str, line: str) -> None:
+    (found,) = (each for each in all_lanes("build", 1) if each.name == runner)
+    program = f"print({line!r}); print('\\t7 - Holds (Skipped)'); raise SystemExit(1)"
+    verdict = run(replace(found, command=(sys.executable, "-c", program)))
+    assert verdict.failures == (line.strip(),)
+    assert f"\n        {line.strip()}\n" in summary([verdict])
 
 
 def test_the_processor_time_of_a_lane_includes_that_of_its_programs() -> None:
