@@ -232,11 +232,11 @@ def test_a_watch_of_the_holders_says_what_it_missed(
     warned = capsys.readouterr().err.splitlines()[0]
     if replaced:
         assert warned == (
-            "gecos: LAMP: another server serves the object now; changes of its holders may have "
-            "been missed"
+            "gecos: LAMP: another server serves this object now; earlier changes of its holders "
+            "may have been missed"
         )
     else:  # the object keeps 256 of the 260
-        assert warned == "gecos: LAMP: 4 earlier changes of its holders were missed"
+        assert warned == "gecos: LAMP: 4 earlier changes of the holders of this object were missed"
 
 
 def test_holders_of_a_free_object_says_so(

@@ -51,9 +51,9 @@ def test_numbers_are_a_count_and_the_numbers() -> None:
         wire.numbers(range(5), "h", 4, "v")
     with pytest.raises(EncodeError, match="v: the array has 2 dimensions, but a sequence has one"):
         wire.numbers(np.eye(2), "d", 4, "v")
-    with pytest.raises(EncodeError, match="v: the lists in it have different lengths"):
+    with pytest.raises(EncodeError, match="v: the lists in this field differ in length"):
         wire.numbers([[1.0, 2.0], [3.0]], "d", 4, "v")
-    with pytest.raises(EncodeError, match="v: the lists in it have different lengths"):
+    with pytest.raises(EncodeError, match="v: the lists in this field differ in length"):
         wire.fixed([[1.0, 2.0], [3.0]], "d", (2, 2), "v")
 
 

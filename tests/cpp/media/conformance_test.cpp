@@ -532,8 +532,8 @@ TEST_P(Conformance, AStreamKeepsAsManySamplesAsWasAskedForOrIsRefused) {
       EXPECT_EQ(sample.sequence, 1u);
     } catch (const std::runtime_error& refused) {
       EXPECT_STREQ(refused.what(),
-                   "it keeps at most 1024 samples of a stream, and the interface asks for "
-                   "depth=4096; read it on the host of its server, or reduce its depth");
+                   "this medium keeps at most 1024 samples of a stream, and the interface asks for "
+                   "depth=4096; read the stream on the host of its server, or reduce the depth");
     }
   }
 }

@@ -83,5 +83,7 @@ def _missing(told: Roster, known: int) -> str:
     if missed == 0:
         return ""
     if 0 < missed < MOST_MISSED:
-        return f"{missed} earlier changes of its holders were missed"
-    return "another server serves the object now; changes of its holders may have been missed"
+        return f"{missed} earlier changes of the holders of this object were missed"
+    return (
+        "another server serves this object now; earlier changes of its holders may have been missed"
+    )

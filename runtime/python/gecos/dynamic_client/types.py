@@ -377,7 +377,9 @@ def _check_size(element: layout.Step, count: int) -> None:
     # own values, and the count of this sequence takes bytes.
     takes_bytes = isinstance(kind, Later) or kind.least
     if count > MAX_ZERO_WIDTH and not takes_bytes:
-        raise Malformed(f"an array of {count} values that take no bytes")
+        raise Malformed(
+            f"an array has {count} values that take no bytes; at most {MAX_ZERO_WIDTH} are read"
+        )
 
 
 def _missing(values: tuple[Value, ...]) -> int:

@@ -221,7 +221,7 @@ def _as_array(values: npt.ArrayLike, code: str, field: str) -> Array:
         return as_array(values, code)
     except ValueError:  # numpy makes no array of lists of different lengths
         raise EncodeError(
-            field, "the lists in it have different lengths; give numbers, or lists of one length"
+            field, "the lists in this field differ in length; give numbers, or lists of one length"
         ) from None
 
 

@@ -84,9 +84,9 @@ void SharedStream::write(std::span<std::byte, bytes> to) const {
 std::uint16_t SharedStream::depth_for(std::size_t samples) {
   if (samples > most_depth) {
     throw std::runtime_error(
-        "it keeps at most " + std::to_string(most_depth) +
+        "this medium keeps at most " + std::to_string(most_depth) +
         " samples of a stream, and the interface asks for depth=" + std::to_string(samples) +
-        "; read it on the host of its server, or reduce its depth");
+        "; read the stream on the host of its server, or reduce the depth");
   }
   return static_cast<std::uint16_t>(std::max<std::size_t>(samples, 1));
 }
