@@ -24,6 +24,9 @@ ROOTS = ("runtime", "codegen", "devices")
 LINES, PROSE = 30, 30
 WORD = re.compile(r"[A-Za-z_]{4,}")
 BLANK = "{…}"
+ABOUT_TEXTS = f"""
+{BLANK} in a text stands for what the program fills in. Before a text that begins with a verb the
+program prints the name of the object, file or field that the text is about."""
 CPP_TEXT = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 # Of `condition ? "text" : "text"`, a reader meets only one.
 OTHER_TEXT = re.compile(r'(\?\s*"(?:[^"\\\n]|\\.)*")\s*:\s*"(?:[^"\\\n]|\\.)*"')
@@ -181,6 +184,8 @@ def main() -> None:
     for folder in folders():
         print(f"  {folder}: {said[folder]}" if said else f"  {folder}")
     for kind, each in sheet.items():
+        if kind == "text" and each:
+            print(ABOUT_TEXTS)
         for at, one in enumerate(each, 1):
             print(f"\n{kind} {at}:\n    {one.text}")
 

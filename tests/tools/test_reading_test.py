@@ -37,6 +37,17 @@ def test_the_strict_form_lists_folders_without_a_word_about_them(
     assert [each.partition(": ")[0] for each in told[1:-3]] == bare
 
 
+def test_the_sheet_says_that_texts_follow_the_name_of_their_subject(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = [Found("devices/arm/a.cpp:1", "belongs to uid {…}")]
+    monkeypatch.setattr(reading_test, "drawn", lambda seed: SHEET | {"text": text})
+    monkeypatch.setattr(sys, "argv", ["reading_test.py", "1"])
+    reading_test.main()
+    printed = capsys.readouterr().out
+    assert printed.index(reading_test.ABOUT_TEXTS) < printed.index("belongs to uid")
+
+
 def test_lists_of_names_and_patterns_are_no_texts(tmp_path: Path) -> None:
     source = tmp_path / "source.py"
     source.write_text(
