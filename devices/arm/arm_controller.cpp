@@ -255,7 +255,7 @@ std::optional<DriverFault> ArmController::fault_of(
   if (!answer) return answer.error();
   if (seconds > drives_.longest_gap) {
     return DriverFault{"the control loop stalled for " + std::to_string(seconds) +
-                       " s, but the drives stop by themselves after " +
+                       " s; without commands, the drives stop by themselves after " +
                        std::to_string(drives_.longest_gap) + " s"};
   }
   return not_ready(*answer, loop_.refusal);

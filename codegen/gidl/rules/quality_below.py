@@ -16,8 +16,8 @@ _OF_MEMBER = (
     "interface, or move the member to another interface"
 )
 _OF_BASE = (
-    "write @qos before the interface, with a quality that is at least that of every base: a term "
-    "that is left out is inherited from the first base that has it"
+    "write @qos before the interface, with a quality that is at least that of every base. If you "
+    "leave a term out, the interface inherits it from the first base that has it"
 )
 
 

@@ -355,11 +355,9 @@ TEST(NumericInverse, OfAnArmWithFiveJointsTakesAGoalWhoseRoundingItCannotReach) 
   const Frame turned = pose * Frame::from_euler_zyx(0, 0, 0, 0.01, 0.02, 0.03);
   const auto refused = inverse->solve(turned, there, {});
   ASSERT_FALSE(refused);
-  EXPECT_NE(
-      to_string(refused.error())
-          .find("out of reach: an arm with 5 joints reaches a place in some orientations only: "
-                "give a pose that the arm has had; the flange would be "),
-      std::string::npos)
+  EXPECT_NE(to_string(refused.error())
+                .find("out of reach: an arm with 5 joints reaches only some orientations; "),
+            std::string::npos)
       << to_string(refused.error());
 }
 

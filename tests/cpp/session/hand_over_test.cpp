@@ -167,7 +167,8 @@ TEST_F(QuestionsAboutTheLine, AreBoundedInNumberForEachProgramAndForAll) {
   ask(++counter, 60);
   EXPECT_EQ(reply_to(counter), Detail::QueueFull);
   EXPECT_EQ(failure(),
-            "PROBE: too many questions about requests: 64 questions already wait; ask again later");
+            "PROBE: too many questions about requests for the status: 64 questions already wait; "
+            "ask again later");
 }
 
 TEST_F(QuestionsAboutTheLine, EndWithTheObjectAndAreForgottenWithTheirSession) {

@@ -56,10 +56,10 @@ class ObjectPresence {
   /// Moves the object into `zone`. No report of this zone is known yet.
   bool enter(std::string zone, TimePoint now);
 
-  /// Returns whether presence counts, so that commands that need a person may start or go on.
+  /// Returns whether a person is taken to be present, so that commands that need one may run.
   bool present(TimePoint now) const { return now < until_.load(std::memory_order_acquire); }
-  /// Returns whether a sample that was sent at `sent` may have an effect: presence counts now and
-  /// has counted ever since `sent`.
+  /// Returns whether a sample that was sent at `sent` may have an effect: a person is present, and
+  /// has been ever since `sent`.
   bool present_since(TimePoint sent, TimePoint now) const {
     return present(now) && sent >= since_.load(std::memory_order_relaxed);
   }

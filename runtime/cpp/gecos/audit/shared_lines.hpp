@@ -36,7 +36,7 @@ class SharedLines {
   /// line that counts requests names only the first and the last request; by the number of the
   /// kind, a reader excludes the requests of other kinds in between.
   std::uint64_t add(Line line, Line further);
-  /// Writes the lines of the events that were counted and whose window is over.
+  /// Writes the lines of the kinds of events whose time window of counting is over.
   void on_tick(std::int64_t now);
   /// Writes the lines of all events that were counted.
   void end(std::int64_t now);

@@ -221,10 +221,10 @@ Result<std::optional<double>> Broker::enlist(const Entry& told, double served_fo
   if (!before) {
     log_info("broker", what.name + " was enlisted with the interface " + what.interface_name);
   } else if (*before != what) {
-    log_warning("broker", what.name + " moves from pid " + std::to_string(before->pid) + " on " +
-                              before->hostname + " to pid " + std::to_string(what.pid) + " on " +
-                              what.hostname +
-                              ": the server with the latter pid has served this name for longer");
+    log_warning("broker", what.name + " now belongs to the server with pid " +
+                              std::to_string(what.pid) + " on " + what.hostname +
+                              ", which has served this name for longer than pid " +
+                              std::to_string(before->pid) + " on " + before->hostname);
   }
   if (*provisional == Duration::zero()) return std::nullopt;
   return to_seconds(*provisional);

@@ -99,9 +99,8 @@ std::string NumericInverse::why_out_of_reach(const Frame& base_from_flange) cons
   text << std::fixed << std::setprecision(1);
   if (joints < joints_for_every_pose && away <= model_.reach()) {
     text << "an arm with " << joints
-         << " joints reaches a place in some orientations only: give a pose that the arm has had; "
-            "the flange would be "
-         << in_mm(away) << " mm from the base";
+         << " joints reaches only some orientations; no joint positions were found for this one, "
+         << in_mm(away) << " mm from the base: give a pose that the arm has had";
   } else {
     text << "no joint positions found for a flange " << in_mm(away) << " mm from the base (reach "
          << in_mm(model_.reach()) << " mm)";

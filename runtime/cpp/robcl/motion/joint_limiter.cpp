@@ -31,8 +31,9 @@ const JointValues& JointLimiter::follow(const JointValues& target, double cycle)
   return joints_;
 }
 
-/// Moves one joint for one cycle. `slowest` never exceeds `fastest`: if a speed is allowed in one
-/// cycle, the speed after one more cycle of braking is allowed in the next cycle.
+/// Moves one joint for one cycle. The speed of each cycle is one from which the joint can stop
+/// before its limit. Therefore the speed after one more cycle of braking is always allowed, and
+/// `slowest` never exceeds `fastest`.
 void JointLimiter::follow(Eigen::Index axis, double target, double cycle) {
   const arm::JointLimits& limits = limits_[static_cast<std::size_t>(axis)];
   const double here = joints_[axis], now = speeds_[axis];

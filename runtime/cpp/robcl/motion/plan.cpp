@@ -34,12 +34,12 @@ std::vector<double> excess_of(const TimeLaw& law, const Path& path, const arm::A
 
 /// Returns the fastest time law that keeps the limits everywhere. TimeLaw checks the limits at some
 /// places only. Where the motion exceeds limits between these places, this function tightens the
-/// limits there and computes the time law again.
+/// limits there and tries again, several times.
 ///
-/// A time law that starts at rest and still exceeds a limit after the last try is slowed. A time
-/// law that does not start at rest cannot be slowed. The limit of jerk is not checked for such a
-/// time law, because the path bends abruptly where one move goes over into the next. After the last
-/// try, such a time law may exceed its other limits by the factor `just_kept(smoothing)`.
+/// If the last try still exceeds a limit, a time law that starts at rest is slowed. A time law that
+/// starts in motion cannot be slowed: it may exceed its limits by the factor
+/// `just_kept(smoothing)`. Its jerk is not checked, because the path bends abruptly where one move
+/// goes over into the next.
 std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
                                    const std::vector<IntervalLimits>& limits,
                                    const Smoothing& smoothing, const TimeLaw::Start& start) {

@@ -35,7 +35,7 @@ class SharedStreams {
   tl::expected<void, SendProblem> share(std::uint32_t id, SharedStreamWriter& writer,
                                         const std::shared_ptr<PeerEnd>& reader, ControlQueue& to);
   void unshare(std::uint32_t id, PeerEnd& reader, ControlQueue& to);
-  /// Sends the peer the memory of each stream that has moved to other memory.
+  /// Sends the peer the descriptor of the new memory of each stream that has moved.
   void follow_moves(ControlQueue& to);
   /// Removes `reader` from all streams, so that no stream wakes it any more.
   void forget(PeerEnd& reader);

@@ -209,8 +209,8 @@ void MovableSession::stay(const std::string& why) {
   log(level, "client", text);
 }
 
-/// Subscribes over `found` to all open streams. Fails when one of these streams cannot be opened
-/// there.
+/// Subscribes to all open streams over the new connection `found`. Fails when one of these streams
+/// cannot be opened over it.
 tl::expected<std::vector<MovableSession::Resumed>, Failure> MovableSession::resume_streams(
     ClientConnection& found) {
   std::vector<Resumed> resumed;

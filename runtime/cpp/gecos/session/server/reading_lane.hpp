@@ -34,7 +34,7 @@ class ReadingLane {
   const std::deque<Entry>& waiting() const { return waiting_; }
 
  private:
-  /// A client that has waiting readings.
+  /// A client with calls that wait in this lane.
   struct Reader {
     SessionId client;
     std::size_t waiting;

@@ -42,7 +42,7 @@ class StatusLine {
   StatusLine(std::string object, const Clock& clock)
       : object_(std::move(object)),
         clock_(clock),
-        questions_(object_ + ": too many questions about requests", clock) {}
+        questions_(object_ + ": too many questions about requests for the status", clock) {}
 
   /// Maximum number of waiting requests. A correct client has one request at a time.
   static constexpr std::size_t longest = 64;

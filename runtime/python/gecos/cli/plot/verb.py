@@ -55,7 +55,7 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
     type=Number(),
     default=60.0,
     show_default=True,
-    help="Seconds to wait until the arm moves.",
+    help="The longest time in s to wait for the arm to move.",
 )
 @click.option(
     "--from",
