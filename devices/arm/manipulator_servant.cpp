@@ -7,8 +7,7 @@
 namespace devices {
 namespace {
 
-/// Passes an interruption of a call to the arm. Does not report the progress of the arm to the
-/// caller.
+/// Tells the arm when a call was interrupted. Does not tell the caller the progress of the arm.
 class InterruptionWatcher final : public MotionWatcher {
  public:
   explicit InterruptionWatcher(gecos::Execution<>& run) : run_(run) {}

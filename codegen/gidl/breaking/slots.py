@@ -153,7 +153,7 @@ def _kept(
     had, has = old.default is not None, new.default is not None
     if leaves_core and old.optional == new.optional:
         report.add("G1002", subject,
-                   f"{what} may be left out of messages in only one of the two versions",
+                   f"one version allows messages without {what}, and the other does not",
                    "the hashes of operations differ, so old and new programs refuse each other",
                    "write @default or @optional exactly where the old version has it, and add no "
                    "required declaration after this one",

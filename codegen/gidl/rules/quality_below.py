@@ -1,6 +1,6 @@
 """Rule: a member must not promise less quality than its interface, and an interface must not
-promise less quality than any of its bases. An interface that declares no quality can do so, too: it
-inherits each term from the first base that has the term."""
+promise less quality than any of its bases. An interface that declares no quality can also break
+this rule, because it inherits each term from the first base that has the term."""
 
 from __future__ import annotations
 

@@ -140,8 +140,9 @@ class ReconnectingStream(Generic[P, T]):
         raise EOFError(f"the stream of {self.name}, or its Lab, was closed")
 
     def close(self) -> None:
-        """Ends the subscription. A waiting `next` raises EOFError, within about one second if it
-        waits for the object. `latest` raises StreamLost, and `tick` does nothing."""
+        """Ends the subscription. A `next` that waits for a sample raises EOFError at once, one that
+        waits until the object is found again within about one second. `latest` raises StreamLost,
+        and `tick` does nothing."""
         self._closed.set()
         self._lose(f"the stream of '{self.name}' is closed")
 

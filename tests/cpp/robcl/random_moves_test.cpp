@@ -272,7 +272,7 @@ TEST_P(RandomMoves, KeepTheConfigurationOrSayWhichOneCouldReachTheGoal) {
     const auto other = planner_.configuration(any->goal());
     std::ostringstream words;
     words << "only in another configuration such as " << other
-          << "; request that configuration, or any";
+          << "; request that configuration, or allow any configuration";
     const std::string why = to_string(planner_.joints_to(from, goal, {}, {}).error());
     ASSERT_NE(why.find(words.str()), std::string::npos) << why;
     const auto asked = planner_.joints_to(from, goal, {}, {}, other);

@@ -30,8 +30,8 @@ struct LinePath {
 /// knot. Between the knots, the tool is at most `line_tolerance` from its line. The arm keeps the
 /// configuration that it has at `from`. May fail with OutOfReach, JointLimit or Singular.
 ///
-/// At `from` a joint may be outside its limits, for example by one count of its encoder where the
-/// arm stands after a fault of the drives. The line may then lead back inside, see first_outside().
+/// A joint may begin outside its limits: after a fault of the drives, it may stand one count of its
+/// encoder beyond a limit. The line is then accepted if it leads back inside (first_outside()).
 /// @pre the tool is at the start of `line` at the joint positions `from`, and `line.start` is 0.
 tl::expected<LinePath, arm::Failure> path_of_line(const arm::ArmModel& model,
                                                   const arm::Kinematics& forward,

@@ -111,7 +111,8 @@ tl::expected<Move, Failure> Planner::joint_move_to(
     if (const auto other = inverse_->solve(base_from_flange, from)) {
       std::ostringstream text;
       text << "the goal cannot be reached as " << present << ", only in another configuration such "
-           << "as " << inverse_->configuration(*other) << "; request that configuration, or any";
+           << "as " << inverse_->configuration(*other)
+           << "; request that configuration, or allow any configuration";
       return tl::unexpected(OutOfReach{text.str()});
     }
   }

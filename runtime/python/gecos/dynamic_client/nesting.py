@@ -30,7 +30,8 @@ class _Walker:
         self._open: list[str] = []
 
     def named(self, name: str) -> tuple[int, int]:
-        """Returns the depth of the type, and the number of values in its smallest value."""
+        """Returns how many levels of types the type `name` has, and how many values its smallest
+        value consists of."""
         if name in self._known or name not in self._model.types:
             return self._known.get(name, _REFERENCE)
         if name in self._open:

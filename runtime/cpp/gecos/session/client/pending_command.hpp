@@ -163,9 +163,8 @@ class PendingCommand final : public CommandCore {
   bool watched_ GECOS_GUARDED_BY(mutex_) = false;
   std::unique_ptr<EventFd> exported_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::function<void()>> callbacks_ GECOS_GUARDED_BY(mutex_);
-  /// The session that has the command; null while the command waits for failover. Orders no other
-  /// memory. When the session changes, a thread that waits in the old session must continue its
-  /// wait in the new session.
+  /// The session that has the command; null while the command waits for failover. When the session
+  /// changes, a thread that waits in the old session must continue its wait in the new session.
   std::atomic<const ClientConnection*> home_{nullptr};
   std::shared_ptr<ClientConnection> session_ GECOS_GUARDED_BY(mutex_);  ///< null once terminal
 };

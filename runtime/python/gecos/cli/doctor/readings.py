@@ -144,7 +144,7 @@ def _dead(path: Path) -> bool:
 
 
 def in_the_way(directory: Path) -> list[str]:
-    """Returns the files in the place of the broker's socket that are not sockets."""
+    """Returns the path of the broker's socket if another kind of file has this path."""
     place = directory / "BROKER.sock"
     try:
         return [] if stat.S_ISSOCK(place.lstat().st_mode) else [str(place)]
