@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "gecos/base/clock_difference.hpp"
 #include "gecos/base/ids.hpp"
 #include "gecos/base/moment.hpp"
 
@@ -10,6 +11,7 @@ namespace {
 
 using std::chrono::hours;
 using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
 using std::chrono::seconds;
 
 TEST(FakeClock, StandsStillUntilItIsMoved) {
@@ -51,6 +53,59 @@ TEST(Moment, IsAnotherOneAfterATick) {
 TEST(SystemClock, KnowsTheTimeOfDay) {
   EXPECT_GT(SystemClock().unix_time(), hours(24 * 365 * 50));   // after 2019
   EXPECT_LT(SystemClock().unix_time(), hours(24 * 365 * 130));  // before 2100
+}
+
+TEST(SystemClock, ReadsOneMomentByBothClocks) {
+  const SystemClock clock;
+  // Of a measurement, and of the value that is kept while measurements agree.
+  constexpr Duration error = 2 * ClockDifference::longest_measurement;
+  const TimePoint begin = clock.since_boot();
+  TimeByBoth before = clock.by_both();
+  while (before.since_boot - begin < milliseconds(30)) {  // several ticks of the kernel
+    const TimePoint boot = clock.since_boot();
+    const Duration wall = clock.unix_time();
+    const TimeByBoth now = clock.by_both();
+    ASSERT_GE(now.since_boot, boot);
+    ASSERT_GE(now.unix_time, wall - error);
+    ASSERT_GE(now.unix_time, before.unix_time - error);
+    // A thread that was interrupted reads the clock late, but never in the future.
+    ASSERT_LE(now.unix_time, clock.unix_time() + error);
+    before = now;
+  }
+}
+
+TEST(ClockDifference, IsMeasuredAgainAfterEachTick) {
+  ClockDifference known;
+  const Moment tick{1'000'000, 5'000'000}, next{5'000'000, 9'000'000};
+  EXPECT_FALSE(known.at(tick));
+  known.remember(tick, seconds(7), nanoseconds(90));
+  EXPECT_EQ(known.at(tick), seconds(7));
+  EXPECT_FALSE(known.at(next));
+}
+
+TEST(ClockDifference, FollowsAStepOfTheWallClockWithinATick) {
+  ClockDifference known;
+  const Moment before{1'000'000, 5'000'000}, after{1'000'000, 2'005'000'000};
+  known.remember(before, seconds(7), nanoseconds(90));
+  EXPECT_FALSE(known.at(after));
+  known.remember(after, seconds(9), nanoseconds(90));
+  EXPECT_EQ(known.at(after), seconds(9));
+}
+
+TEST(ClockDifference, KeepsItsValueWhileOnlyTheErrorOfTheMeasurementChanges) {
+  ClockDifference known;
+  const Moment tick{1'000'000, 5'000'000}, next{5'000'000, 9'000'000};
+  known.remember(tick, seconds(7), nanoseconds(90));
+  known.remember(next, seconds(7) - nanoseconds(40), nanoseconds(90));
+  EXPECT_EQ(known.at(next), seconds(7));
+}
+
+TEST(ClockDifference, ForgetsAMeasurementThatWasInterrupted) {
+  ClockDifference known;
+  const Moment tick{1'000'000, 5'000'000}, next{5'000'000, 9'000'000};
+  known.remember(tick, seconds(7), nanoseconds(90));
+  known.remember(next, seconds(8), milliseconds(3));
+  EXPECT_FALSE(known.at(next));
 }
 
 TEST(Ids, ShowTheNumberBehindThem) {

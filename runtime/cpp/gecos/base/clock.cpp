@@ -4,6 +4,9 @@
 
 #include <cassert>
 
+#include "gecos/base/clock_difference.hpp"
+#include "gecos/base/moment.hpp"
+
 namespace gecos {
 
 TimePoint SystemClock::now() const { return std::chrono::steady_clock::now(); }
@@ -16,6 +19,18 @@ TimePoint SystemClock::since_boot() const {
 
 Duration SystemClock::unix_time() const {
   return std::chrono::system_clock::now().time_since_epoch();
+}
+
+TimeByBoth SystemClock::by_both() const {
+  static thread_local ClockDifference known;
+  const Moment moment = Moment::now();
+  const TimePoint boot = since_boot();
+  if (const auto difference = known.at(moment)) {
+    return {boot.time_since_epoch() + *difference, boot};
+  }
+  const Duration wall = unix_time();
+  known.remember(moment, wall - boot.time_since_epoch(), since_boot() - boot);
+  return {wall, boot};
 }
 
 TimePoint deadline_after(Duration patience) {

@@ -10,6 +10,12 @@ namespace gecos {
 using Duration = std::chrono::nanoseconds;
 using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 
+/// One moment by two clocks.
+struct TimeByBoth {
+  Duration unix_time{};
+  TimePoint since_boot{};
+};
+
 /// A source of time. Thread-safe.
 class Clock {
  public:
@@ -30,6 +36,9 @@ class Clock {
   /// Returns the time since 1970 UTC, for time stamps that leave the process. An operator may set
   /// this clock back.
   virtual Duration unix_time() const = 0;
+
+  /// Returns `unix_time()` and `since_boot()` of the same moment.
+  virtual TimeByBoth by_both() const { return {unix_time(), since_boot()}; }
 };
 
 class SystemClock final : public Clock {
@@ -38,6 +47,9 @@ class SystemClock final : public Clock {
   TimePoint since_boot() const override;
   bool real() const override { return true; }
   Duration unix_time() const override;
+  /// Reads one precise clock, and the other one only when a kernel tick has passed since the last
+  /// call on this thread.
+  TimeByBoth by_both() const override;
 };
 
 /// Returns the time that is `patience` from now by the system's clock. For Duration::max(), returns

@@ -76,6 +76,7 @@ std::atomic<std::uint64_t>* StreamMemory::slot(std::uint64_t sequence) const {
 void SleeperList::add(std::weak_ptr<Sleeper> sleeper) {
   const MutexLock lock(mutex_);
   sleepers_.push_back(std::move(sleeper));
+  changed_.store(true, std::memory_order_release);
 }
 
 void SleeperList::remove(const Sleeper* sleeper) {
@@ -84,15 +85,19 @@ void SleeperList::remove(const Sleeper* sleeper) {
     const auto alive = held.lock();
     return alive == nullptr || alive.get() == sleeper;
   });
+  changed_.store(true, std::memory_order_release);
 }
 
 void SleeperList::wake() {
-  const MutexLock lock(mutex_);
-  std::erase_if(sleepers_, [](const auto& held) {
-    const auto alive = held.lock();
-    if (alive != nullptr) alive->wake_if_asleep();
-    return alive == nullptr;
-  });
+  if (changed_.load(std::memory_order_acquire)) {
+    const MutexLock lock(mutex_);
+    changed_.store(false, std::memory_order_relaxed);
+    std::erase_if(sleepers_, [](const auto& held) { return held.expired(); });
+    woken_ = sleepers_;
+  }
+  for (const auto& held : woken_) {
+    if (const auto alive = held.lock()) alive->wake_if_asleep();
+  }
 }
 
 StreamRingWriter::StreamRingWriter(StreamMemory memory, std::shared_ptr<void> owner)

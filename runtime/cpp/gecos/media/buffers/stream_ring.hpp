@@ -43,17 +43,21 @@ class Sleeper {
   virtual void wake_if_asleep() = 0;
 };
 
-/// The list of the readers that the writer of a stream must wake. Thread-safe. Destroyed readers
-/// are removed automatically.
+/// The list of the readers that the writer of a stream must wake. Thread-safe, but only the writer
+/// may call `wake`. Destroyed readers are removed automatically.
 class SleeperList {
  public:
   void add(std::weak_ptr<Sleeper> sleeper);
+  /// A call of `wake` that has begun already may still wake `sleeper`.
   void remove(const Sleeper* sleeper);
+  /// Wakes the readers that sleep. Takes the mutex only if the list has changed.
   void wake();
 
  private:
   FutexMutex mutex_;
   std::vector<std::weak_ptr<Sleeper>> sleepers_ GECOS_GUARDED_BY(mutex_);
+  std::atomic<bool> changed_{false};           // sleepers_ is not what woken_ is
+  std::vector<std::weak_ptr<Sleeper>> woken_;  ///< a copy of sleepers_ that only the writer uses
 };
 
 class StreamRingWriter : public StreamWriter {

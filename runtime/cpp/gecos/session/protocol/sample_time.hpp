@@ -29,8 +29,7 @@ struct SampleTime {
 /// Converts `stamp_ns`, a wall-clock time that the servant sets, to the same moment by
 /// CLOCK_BOOTTIME, and returns both. Reads both clocks when it is called.
 inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
-  const Duration wall = clock.unix_time();
-  const TimePoint now = clock.since_boot();
+  const auto [wall, now] = clock.by_both();
   if (stamp_ns == measured_now) return {wall.count(), now};
   const auto stamp = std::clamp(Duration(stamp_ns), -4 * longest_age, 4 * longest_age);
   return {stamp_ns, now - std::clamp(wall - stamp, Duration::zero(), longest_age)};
