@@ -25,7 +25,7 @@ LINES, PROSE = 30, 30
 WORD = re.compile(r"[A-Za-z_]{4,}")
 BLANK = "{…}"
 ABOUT_TEXTS = f"""
-{BLANK} in a text stands for what the program fills in. Before a text that begins with a verb the
+{BLANK} in a text stands for what the program fills in. Before a text that begins with a verb, the
 program prints the name of the object, file or field that the text is about."""
 CPP_TEXT = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 # Of `condition ? "text" : "text"`, a reader meets only one.

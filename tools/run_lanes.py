@@ -22,9 +22,7 @@ from pathlib import Path
 
 TREE = Path(__file__).resolve().parent.parent
 LONGEST_LANE = 20 * 60.0  # s; the lane `compiler` takes 12 minutes at low priority on two cores
-LONGEST_LIST = (
-    20  # of the failures of a lane in the summary; the output of the lane has all of them
-)
+LONGEST_LIST = 20  # the last failures of a lane, which the summary repeats
 # A network of its own, in which multicast stays: `unshare -n` needs to be root.
 OWN_NETWORK = (
     "unshare",
@@ -73,7 +71,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
     of_python = (*compiling, "tests/docs", "tests/system", "tests/stress")
     pytest_lines = (
         r"^=+ .*(passed|failed|error|no tests).* =+$",
-        r"^(FAILED|ERROR) ",
+        r"^(FAILED|ERROR) tests/",
     )
     return [
         Lane("host", (python, "tools/check_host.py"), r"^check_host: "),
@@ -100,7 +98,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
                 f"-j{2 * jobs}",
             ),
             r"^\d+% tests passed",
-            r"^\d+ - .*\((?!Skipped|Disabled)|: Failure$",
+            r"^\d+ - .*\((?!Skipped|Disabled)[^()]+\)$|: Failure$",
         ),
         # No test in this lane measures time, so it uses only the time that other lanes leave.
         Lane(
@@ -195,7 +193,9 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
     elif status < 0:
         closing = f"died of {signal.Signals(-status).name}"
     seconds = time.monotonic() - started
-    return Verdict(lane, status == 0, closing or last, seconds, used, tuple(failures))
+    return Verdict(
+        lane, status == 0, closing or last, seconds, used, tuple(dict.fromkeys(failures))
+    )
 
 
 def wait_for(process: subprocess.Popen[str]) -> tuple[int, float]:
@@ -257,7 +257,7 @@ def summary(verdicts: Sequence[Verdict]) -> str:
             f"{verdict.closing_line}"
         )
         if not verdict.passed:
-            lines += [f"        {failure}" for failure in verdict.failures[:LONGEST_LIST]]
+            lines += [f"        {failure}" for failure in verdict.failures[-LONGEST_LIST:]]
     failed = [verdict.lane.name for verdict in verdicts if not verdict.passed]
     lines.append(f"FAILED: {', '.join(failed)}" if failed else f"all {len(verdicts)} lanes passed")
     return "\n".join(lines)

@@ -221,7 +221,7 @@ std::optional<ArmController::Outcome> ArmController::turn_on(
   loop_.settling += seconds;
   if (loop_.settling < settings_.turn_on_time) return std::nullopt;
   std::ostringstream text;
-  text << settings_.turn_on_time << " s after the reset the drives are not ready: " << why->text;
+  text << settings_.turn_on_time << " s after the reset, the drives are not ready: " << why->text;
   return Outcome{End::Fault, 0, 0, {text.str()}};
 }
 

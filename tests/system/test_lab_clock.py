@@ -78,7 +78,7 @@ def test_a_fast_clock_changes_no_set_point(arm: str, lab_with_broker: Laboratory
         with gecos.actor(robot):
             robot.move_joints(start_of_move).result()
     else:
-        pytest.fail(f"of the last of 20 moves {len(fast)} set points were read")
+        pytest.fail(f"of the last of 20 moves only {len(fast)} set points were read")
     assert robot.missed_cycles().result() == 0
 
 

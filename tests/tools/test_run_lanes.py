@@ -61,7 +61,12 @@ def test_a_lane_that_hangs_is_killed_with_what_it_started() -> None:
 )
 def test_a_failure_is_in_the_summary(runner: str, line: str) -> None:
     (found,) = (each for each in all_lanes("build", 1) if each.name == runner)
-    program = f"print({line!r}); print('\\t7 - Holds (Skipped)'); raise SystemExit(1)"
+    others = (
+        "\t7 - a.B/lcm  # GetParam() = lcm (Skipped)",
+        "ERROR    root:server.py:12 no answer",
+        line,
+    )
+    program = f"print({line!r}, *{others!r}, sep='\\n'); raise SystemExit(1)"
     verdict = run(replace(found, command=(sys.executable, "-c", program)))
     assert verdict.failures == (line.strip(),)
     assert f"\n        {line.strip()}\n" in summary([verdict])

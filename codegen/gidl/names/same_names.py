@@ -36,9 +36,9 @@ class _Use:
 
 
 def same_names(model: Model, findings: Findings) -> None:
-    """Reports each two declarations of different files that have the same name in C++. The finding
-    is at the beginning of the first file that includes both files; if no file includes both, it is
-    at the second declaration."""
+    """Reports each pair of declarations in different files that have the same name in C++. The
+    finding is at the beginning of the first file that includes both files. If no file includes
+    both, it is at the second declaration."""
     names = name_types(model, CPP_TYPES)
     first: dict[TypeName, _Use] = {}
     reach: dict[str, frozenset[str]] = {}

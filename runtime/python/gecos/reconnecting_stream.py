@@ -140,9 +140,9 @@ class ReconnectingStream(Generic[P, T]):
         raise EOFError(f"the stream of {self.name}, or its Lab, was closed")
 
     def close(self) -> None:
-        """Ends the subscription. A `next` that waits for a sample raises EOFError at once, one that
-        waits until the object is found again within about one second. `latest` raises StreamLost,
-        and `tick` does nothing."""
+        """Ends the subscription. A `next` that waits for a sample raises EOFError at once. If it
+        waits for the object to be found again, it raises EOFError within about one second.
+        `latest` raises StreamLost, and `tick` does nothing."""
         self._closed.set()
         self._lose(f"the stream of '{self.name}' is closed")
 

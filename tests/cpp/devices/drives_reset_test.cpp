@@ -91,7 +91,7 @@ TEST_F(SlowDrivesTest, TheResetFailsAfterTenSecondsIfTheyAreNotOn) {
   const auto failed = reset(controller_, [&](int i) { cycles = i + 1; });
   ASSERT_TRUE(failed.has_value());
   EXPECT_EQ(failed->fault.text,
-            "10 s after the reset the drives are not ready: the drives are turning on");
+            "10 s after the reset, the drives are not ready: the drives are turning on");
   EXPECT_NEAR(cycles * beat, 10, 2 * beat);
   driver_.cycles_left = 1;
   controller_.step(beat);

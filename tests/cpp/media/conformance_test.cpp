@@ -533,7 +533,7 @@ TEST_P(Conformance, AStreamKeepsAsManySamplesAsWasAskedForOrIsRefused) {
     } catch (const std::runtime_error& refused) {
       EXPECT_STREQ(refused.what(),
                    "this medium keeps at most 1024 samples of a stream, and the interface asks for "
-                   "depth=4096; read the stream on the host of its server, or reduce the depth");
+                   "depth=4096; use the stream on the host of its server, or reduce the depth");
     }
   }
 }

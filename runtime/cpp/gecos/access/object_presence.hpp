@@ -58,8 +58,8 @@ class ObjectPresence {
 
   /// Returns whether a person is taken to be present, so that commands that need one may run.
   bool present(TimePoint now) const { return now < until_.load(std::memory_order_acquire); }
-  /// Returns whether a sample that was sent at `sent` may have an effect: a person is present, and
-  /// has been ever since `sent`.
+  /// Returns whether a sample that was sent at `sent` may have an effect: a person is taken to be
+  /// present, and has been ever since `sent`.
   bool present_since(TimePoint sent, TimePoint now) const {
     return present(now) && sent >= since_.load(std::memory_order_relaxed);
   }

@@ -22,15 +22,18 @@ Duration SystemClock::unix_time() const {
 }
 
 TimeByBoth SystemClock::by_both() const {
-  static thread_local ClockDifference known;
-  const Moment moment = Moment::now();
-  const TimePoint boot = since_boot();
-  if (const auto difference = known.at(moment)) {
-    return {boot.time_since_epoch() + *difference, boot};
+  static thread_local constinit ClockDifference known;
+  for (int tries = 0;; ++tries) {
+    const Moment moment = Moment::now();
+    const TimePoint boot = since_boot();
+    if (const auto difference = known.at(moment)) {
+      return {boot.time_since_epoch() + *difference, boot};
+    }
+    const Duration wall = unix_time();
+    const TimePoint after = since_boot();
+    const bool measured = known.remember(moment, wall - boot.time_since_epoch(), after - boot);
+    if (!measured && tries == 2) return {wall, after};
   }
-  const Duration wall = unix_time();
-  known.remember(moment, wall - boot.time_since_epoch(), since_boot() - boot);
-  return {wall, boot};
 }
 
 TimePoint deadline_after(Duration patience) {

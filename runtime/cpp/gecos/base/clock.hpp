@@ -47,8 +47,9 @@ class SystemClock final : public Clock {
   TimePoint since_boot() const override;
   bool real() const override { return true; }
   Duration unix_time() const override;
-  /// Reads one precise clock, and the other one only when a kernel tick has passed since the last
-  /// call on this thread.
+  /// Reads CLOCK_BOOTTIME, and the wall clock only at the first call on this thread and after the
+  /// wall clock was set. Both times belong to one moment within 10 µs, unless the thread is
+  /// interrupted at each of three tries.
   TimeByBoth by_both() const override;
 };
 

@@ -100,7 +100,7 @@ std::string NumericInverse::why_out_of_reach(const Frame& base_from_flange) cons
   if (joints < joints_for_every_pose && away <= model_.reach()) {
     text << "an arm with " << joints
          << " joints reaches only some orientations; no joint positions were found for this one, "
-         << in_mm(away) << " mm from the base: give a pose that the arm has had";
+         << "at " << in_mm(away) << " mm from the base: give a pose that the arm has had";
   } else {
     text << "no joint positions found for a flange " << in_mm(away) << " mm from the base (reach "
          << in_mm(model_.reach()) << " mm)";

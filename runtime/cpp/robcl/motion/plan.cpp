@@ -38,8 +38,8 @@ std::vector<double> excess_of(const TimeLaw& law, const Path& path, const arm::A
 ///
 /// If the last try still exceeds a limit, a time law that starts at rest is slowed. A time law that
 /// starts in motion cannot be slowed: it may exceed its limits by the factor
-/// `just_kept(smoothing)`. Its jerk is not checked, because the path bends abruptly where one move
-/// goes over into the next.
+/// `just_kept(smoothing)`, and beyond that this function returns nullopt. The limit of jerk is not
+/// checked for it, because the path bends abruptly where one move goes over into the next.
 std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
                                    const std::vector<IntervalLimits>& limits,
                                    const Smoothing& smoothing, const TimeLaw::Start& start) {

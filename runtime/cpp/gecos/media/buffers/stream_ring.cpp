@@ -76,24 +76,26 @@ std::atomic<std::uint64_t>* StreamMemory::slot(std::uint64_t sequence) const {
 void SleeperList::add(std::weak_ptr<Sleeper> sleeper) {
   const MutexLock lock(mutex_);
   sleepers_.push_back(std::move(sleeper));
-  changed_.store(true, std::memory_order_release);
+  publish_change();
 }
 
 void SleeperList::remove(const Sleeper* sleeper) {
   const MutexLock lock(mutex_);
-  std::erase_if(sleepers_, [&](const auto& held) {
-    const auto alive = held.lock();
-    return alive == nullptr || alive.get() == sleeper;
-  });
-  changed_.store(true, std::memory_order_release);
+  std::erase_if(sleepers_, [&](const auto& held) { return held.lock().get() == sleeper; });
+  publish_change();
+}
+
+void SleeperList::publish_change() {
+  std::erase_if(sleepers_, [](const auto& held) { return held.expired(); });
+  next_ = sleepers_;
+  changed_.store(true);
 }
 
 void SleeperList::wake() {
-  if (changed_.load(std::memory_order_acquire)) {
+  if (changed_.load()) {
     const MutexLock lock(mutex_);
-    changed_.store(false, std::memory_order_relaxed);
-    std::erase_if(sleepers_, [](const auto& held) { return held.expired(); });
-    woken_ = sleepers_;
+    changed_.store(false);
+    woken_.swap(next_);
   }
   for (const auto& held : woken_) {
     if (const auto alive = held.lock()) alive->wake_if_asleep();

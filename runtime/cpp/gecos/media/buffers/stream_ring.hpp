@@ -43,21 +43,25 @@ class Sleeper {
   virtual void wake_if_asleep() = 0;
 };
 
-/// The list of the readers that the writer of a stream must wake. Thread-safe, but only the writer
-/// may call `wake`. Destroyed readers are removed automatically.
+/// The list of the readers that the writer of a stream must wake. Thread-safe, but only one thread
+/// at a time may call `wake`. A destroyed reader leaves the list at the next `add` or `remove`.
 class SleeperList {
  public:
   void add(std::weak_ptr<Sleeper> sleeper);
   /// A call of `wake` that has begun already may still wake `sleeper`.
   void remove(const Sleeper* sleeper);
-  /// Wakes the readers that sleep. Takes the mutex only if the list has changed.
+  /// Wakes the readers that sleep. Allocates nothing, and takes the mutex only after a change.
   void wake();
 
  private:
+  void publish_change() GECOS_REQUIRES(mutex_);
+
   FutexMutex mutex_;
   std::vector<std::weak_ptr<Sleeper>> sleepers_ GECOS_GUARDED_BY(mutex_);
-  std::atomic<bool> changed_{false};           // sleepers_ is not what woken_ is
-  std::vector<std::weak_ptr<Sleeper>> woken_;  ///< a copy of sleepers_ that only the writer uses
+  /// What `woken_` must become; `wake` takes it when `changed_` is true.
+  std::vector<std::weak_ptr<Sleeper>> next_ GECOS_GUARDED_BY(mutex_);
+  std::atomic<bool> changed_{false};
+  std::vector<std::weak_ptr<Sleeper>> woken_;  ///< used only by `wake`
 };
 
 class StreamRingWriter : public StreamWriter {

@@ -86,7 +86,7 @@ std::uint16_t SharedStream::depth_for(std::size_t samples) {
     throw std::runtime_error(
         "this medium keeps at most " + std::to_string(most_depth) +
         " samples of a stream, and the interface asks for depth=" + std::to_string(samples) +
-        "; read the stream on the host of its server, or reduce the depth");
+        "; use the stream on the host of its server, or reduce the depth");
   }
   return static_cast<std::uint16_t>(std::max<std::size_t>(samples, 1));
 }

@@ -27,7 +27,7 @@ struct SampleTime {
 };
 
 /// Converts `stamp_ns`, a wall-clock time that the servant sets, to the same moment by
-/// CLOCK_BOOTTIME, and returns both. Reads both clocks when it is called.
+/// CLOCK_BOOTTIME, and returns both. Reads the time when it is called.
 inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
   const auto [wall, now] = clock.by_both();
   if (stamp_ns == measured_now) return {wall.count(), now};

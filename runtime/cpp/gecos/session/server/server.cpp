@@ -59,7 +59,7 @@ void check_names(const std::vector<std::string>& names, const std::string& what)
     if (fault.empty()) continue;
     throw std::invalid_argument("Server::allow: name " + std::to_string(at + 1) + " of the " +
                                 what + " " + std::string(fault) +
-                                "; write the name as it is on the computer of that user");
+                                "; write the name as the computer itself writes it");
   }
 }
 
