@@ -32,6 +32,7 @@ SUPPORT = (
     *(RUNTIME / "gecos" / f"{name}.cpp" for name in (
         "wire/check", "wire/decoder", "wire/decode_error", "wire/swap_copy", "wire/text",
         "wire/json", "loan", "servant", "command", "description", "base/log", "base/clock",
+        "base/moment",
     )),
     RUNTIME / "robcl" / "frames" / "frame.cpp",
     *(GENERATED / f"{name}.cpp" for name in (

@@ -23,17 +23,18 @@ Duration SystemClock::unix_time() const {
 
 TimeByBoth SystemClock::by_both() const {
   static thread_local constinit ClockDifference known;
-  for (int tries = 0;; ++tries) {
+  TimeByBoth now;
+  for (int tries = 0; tries < 3; ++tries) {
     const Moment moment = Moment::now();
     const TimePoint boot = since_boot();
-    if (const auto difference = known.at(moment)) {
-      return {boot.time_since_epoch() + *difference, boot};
+    if (!known.at(moment)) {
+      now = {unix_time(), since_boot()};
+      const Duration took = now.since_boot - boot;
+      if (!known.remember(moment, now.unix_time - boot.time_since_epoch(), took)) continue;
     }
-    const Duration wall = unix_time();
-    const TimePoint after = since_boot();
-    const bool measured = known.remember(moment, wall - boot.time_since_epoch(), after - boot);
-    if (!measured && tries == 2) return {wall, after};
+    return {boot.time_since_epoch() + *known.at(moment), boot};
   }
+  return now;
 }
 
 TimePoint deadline_after(Duration patience) {
