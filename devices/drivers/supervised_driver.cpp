@@ -73,8 +73,9 @@ tl::expected<JointState, DriverFault> SupervisedDriver::exchange(const JointComm
 tl::expected<JointState, DriverFault> SupervisedDriver::read_judged(double seconds) {
   auto answer = caught([&] { return driver_.read(); });
   if (answer) {
-    if (answer->measured_at_ns == 0) answer->measured_at_ns = unix_ns();
-    if (auto lie = lie_of(*answer, seconds)) answer = tl::unexpected(std::move(*lie));
+    const std::int64_t now = unix_ns();
+    if (answer->measured_at_ns == 0) answer->measured_at_ns = now;
+    if (auto lie = lie_of(*answer, now, seconds)) answer = tl::unexpected(std::move(*lie));
   }
   if (answer) {
     last_ = answer->position;
@@ -84,7 +85,8 @@ tl::expected<JointState, DriverFault> SupervisedDriver::read_judged(double secon
   return answer;
 }
 
-std::optional<DriverFault> SupervisedDriver::lie_of(const JointState& state, double seconds) const {
+std::optional<DriverFault> SupervisedDriver::lie_of(const JointState& state, std::int64_t now,
+                                                    double seconds) const {
   const auto axes = static_cast<Eigen::Index>(limits_.size());
   if (state.position.size() != axes) {
     return lie("the answer has ", state.position.size(), " joint positions, but the arm has ", axes,
@@ -94,7 +96,7 @@ std::optional<DriverFault> SupervisedDriver::lie_of(const JointState& state, dou
   if (state.velocity.size() > 0 && !fits(state.velocity, axes)) {
     return lie("the joint velocities are not ", axes, " finite numbers");
   }
-  const double age = 1e-9 * static_cast<double>(unix_ns() - state.measured_at_ns);
+  const double age = 1e-9 * static_cast<double>(now - state.measured_at_ns);
   if (age > oldest) return lie("the measurement is ", age, " s old");
   if (age < -oldest) return lie("the time of the measurement is ", -age, " s in the future");
   return jump_of(state.position, seconds);

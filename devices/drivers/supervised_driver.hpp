@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -34,7 +35,9 @@ class SupervisedDriver {
   tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double since_last);
 
  private:
-  std::optional<DriverFault> lie_of(const JointState& state, double seconds) const;
+  /// `now`: the time at which the driver answered, in ns of the Unix clock.
+  std::optional<DriverFault> lie_of(const JointState& state, std::int64_t now,
+                                    double seconds) const;
   std::optional<DriverFault> jump_of(const JointValues& position, double seconds) const;
   tl::expected<JointState, DriverFault> read_judged(double seconds);
 
