@@ -200,14 +200,16 @@ from lamp import Lamp
 lamp = gecos.Lab().create(Lamp, "LAMP", medium="{medium}")
 lamp.label().result()
 resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
-try:
-    while True: os.open("/dev/null", os.O_RDONLY)
-except OSError:
-    pass
-try:
-    lamp.level.stream()
-except gecos.ConnectionFailed as error:
-    print(error, flush=True)
+while True:  # again if a thread had a file open for a moment, whose descriptor is free now
+    try:
+        while True: os.open("/dev/null", os.O_RDONLY)
+    except OSError:
+        pass
+    try:
+        lamp.level.stream().close()
+    except gecos.ConnectionFailed as error:
+        print(error, flush=True)
+        break
 print(lamp.label().result(30), flush=True)
 """
 
