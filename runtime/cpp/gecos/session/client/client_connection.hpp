@@ -72,6 +72,11 @@ class ClientConnection final : public ClientSession,
   /// True when this program has closed the session or is closing it.
   bool closed() const { return end_.closed(); }
   bool unreachable() const { return server_.unreachable(); }
+  /// Returns true while the server may have ended without the knowledge of the medium: the server
+  /// is unreachable, and the medium may lose the packets that would tell its end.
+  bool may_have_ended() const {
+    return unreachable() && !lost() && !connection_->capabilities().reliable;
+  }
 
   Runtime& runtime() { return *runtime_; }
   media::Connection& connection() { return *connection_; }
@@ -107,9 +112,8 @@ class ClientConnection final : public ClientSession,
     return refused_.why(code, name, welcome_, traffic);
   }
 
-  /// Ends the session because its connection no longer meets the quality that the interface
-  /// demands.
-  void fail_degraded(const std::string& why) { end_.lose(Ending::Silent, why); }
+  /// Ends the session, as if the server had been silent for too long. `why`: for the user.
+  void give_up(const std::string& why) { end_.lose(Ending::Silent, why); }
 
   CallSender& calls() { return calls_; }
   ConnectionReader& reader() { return reader_; }

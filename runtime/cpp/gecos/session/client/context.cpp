@@ -14,6 +14,11 @@ namespace gecos::session {
 
 namespace {
 
+/// For this time, the address of a silent broker is asked whether another broker has started there.
+/// A new broker answers within a few round trips; the question is repeated as long as the broker is
+/// silent.
+constexpr Duration successor_patience = std::chrono::milliseconds(250);
+
 void append(std::string& list, const std::string& text) {
   list += (list.empty() ? "" : "; ") + text;
 }
@@ -111,21 +116,36 @@ tl::expected<std::shared_ptr<ClientConnection>, NoBroker> Context::broker(TimePo
         NoBroker{"no broker was found in time: another thread of this program is looking for one" +
                  (missing_.empty() ? std::string() : "; the last search failed: " + missing_)});
   }
-  if (knows_broker()) return broker_;
-  // The session with the lost broker is destroyed at the end of this function, while the mutex is
-  // not held.
-  const auto lost = std::exchange(broker_, nullptr);
+  if (is_settled()) return broker_;
+  // If the session with the old broker is lost, it is destroyed at the end of this function, while
+  // the mutex is not held.
+  const auto old = broker_;
+  if (old && old->lost()) broker_.reset();
+  const bool silent = broker_ != nullptr;
   looking_ = true;
   lock.unlock();
   tl::expected<std::shared_ptr<ClientConnection>, NoBroker> found;
   try {
-    found = look_for_broker(deadline);
+    found = silent ? successor_of(old, deadline) : look_for_broker(deadline);
   } catch (...) {
-    note_broker(nullptr, {});
+    note_broker(silent ? old : nullptr, {});
     throw;
   }
   note_broker(found.value_or(nullptr), found ? std::string() : found.error().text);
   return found;
+}
+
+std::shared_ptr<ClientConnection> Context::successor_of(std::shared_ptr<ClientConnection> silent,
+                                                        TimePoint deadline) {
+  const auto found = connect(*runtime_, silent->place(), BrokerInterface::description,
+                             std::min(deadline, deadline_after(successor_patience)));
+  if (!found || (*found)->welcome().incarnation == silent->welcome().incarnation) return silent;
+  silent->give_up("another broker has started at " + silent->place());
+  return *found;
+}
+
+bool Context::is_settled() const {
+  return knows_broker() && (looking_ || !broker_->may_have_ended());
 }
 
 bool Context::knows_broker() const { return broker_ && !broker_->lost(); }

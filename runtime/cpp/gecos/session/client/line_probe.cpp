@@ -110,7 +110,7 @@ void LineProbe::note(qos::LatencyWatch::Change change) {
   changed_.notify_all();
   log(log_level(), "client", text);
   if (change == qos::LatencyWatch::Change::Degraded && on_degraded_ == qos::OnDegraded::Fail) {
-    session_.fail_degraded(text);
+    session_.give_up(text);
   }
 }
 

@@ -127,7 +127,7 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   registrations_.push_back(std::move(registration));
   const bool admits_others = renew(registrations_.back());
   note_reach(registrations_.back());
-  if (*enlisted > Duration::zero() || admits_others) ask_soon();
+  if (*enlisted > Duration::zero() || admits_others) want(Work::Ask);
   return {};
 }
 
@@ -213,7 +213,10 @@ bool Registrar::becomes_free(const std::string& name, TimePoint deadline) const 
 void Registrar::look() {
   if (!mutex_.try_lock()) return;
   const Broker broker = broker_;
-  if (broker && broker->lost() && next_ == TimePoint::max()) ask_soon();
+  if (broker && next_ == TimePoint::max()) {
+    if (broker->lost()) want(Work::Ask);
+    if (broker->may_have_ended()) want(Work::LookForNewBroker);
+  }
   mutex_.unlock();
   contact_->on_tick(broker);
 }
@@ -225,7 +228,7 @@ void Registrar::renew_lists() {
     any = renew(one) || any;
     note_reach(one);
   }
-  if (any) ask_soon();
+  if (any) want(Work::Ask);
 }
 
 bool Registrar::renew(Registration& registration) const {
@@ -250,11 +253,11 @@ bool Registrar::renew(Registration& registration) const {
 
 void Registrar::ask_again() {
   const MutexLock lock(mutex_);
-  if (!registrations_.empty()) ask_soon();
+  if (!registrations_.empty()) want(Work::Ask);
 }
 
-void Registrar::ask_soon() {
-  wanted_ = true;
+void Registrar::want(Work work) {
+  wanted_ = std::max(wanted_, work);
   changed_.notify_all();
 }
 
@@ -262,7 +265,7 @@ void Registrar::run() {
   MutexLock lock(mutex_);
   const auto due = [this] {
     mutex_.assert_held();
-    return ended_ || wanted_;
+    return ended_ || wanted_ != Work::None;
   };
   while (!ended_) {
     if (next_ == TimePoint::max()) {
@@ -271,13 +274,29 @@ void Registrar::run() {
       changed_.wait_until(lock, next_, due);
     }
     if (ended_) return;
-    wanted_ = false;
+    if (std::exchange(wanted_, Work::None) == Work::LookForNewBroker) {
+      lock.unlock();
+      const bool found = has_new_broker();
+      lock.lock();
+      if (!found) continue;
+    }
+    wanted_ = Work::None;
     const auto registrations = registrations_;
     lock.unlock();
     const Duration rest = ask(registrations);
     lock.lock();
     next_ = deadline_after(rest);
   }
+}
+
+bool Registrar::has_new_broker() {
+  Broker before;
+  {
+    const MutexLock lock(mutex_);
+    before = broker_;
+  }
+  const auto found = find_broker(deadline_after(answer_patience));
+  return found && *found != before;
 }
 
 Duration Registrar::ask(const std::vector<Registration>& registrations) {
@@ -353,7 +372,7 @@ tl::expected<Registrar::Broker, NoBroker> Registrar::find_broker(TimePoint deadl
   std::string place;
   {
     const MutexLock lock(mutex_);
-    if (broker_ && !broker_->lost()) return broker_;
+    if (broker_ && !broker_->lost() && !broker_->may_have_ended()) return broker_;
     place = place_;
   }
   auto found = lab_->broker(deadline);

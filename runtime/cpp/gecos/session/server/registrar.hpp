@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,7 +38,7 @@ class Registrar {
   tl::expected<void, std::string> add(const std::shared_ptr<ObjectHost>& object,
                                       std::vector<std::string> addresses);
   /// If it is time, asks the broker which users the laboratory has revoked. If the broker was lost,
-  /// starts the search for a new broker. Never blocks.
+  /// or may have ended, starts the search for a new broker. Never blocks.
   void look();
   /// Must be called when the list of the program or the lab file has changed. If an object now
   /// admits other users than before, the broker is told soon.
@@ -56,8 +57,16 @@ class Registrar {
     AdmittedNames admitted{};  ///< sent to the broker with each registration
   };
   using Broker = std::shared_ptr<ClientConnection>;
+  /// What `thread_` must do. A later value includes the earlier ones.
+  enum class Work : std::uint8_t {
+    None,
+    LookForNewBroker,  ///< the broker is silent: if another one has its place, ask that one
+    Ask,               ///< ask the broker whether it confirms the names
+  };
 
   void run();
+  /// Looks for a broker that has taken the place of a silent one. Returns whether it has found one.
+  bool has_new_broker();
   struct Answers {
     std::vector<tl::expected<Duration, NotRegistered>> of_each;
     std::string missing;  ///< why no broker was found
@@ -73,7 +82,7 @@ class Registrar {
   /// the broker accepts. If the list has changed, gives it a new number and returns true.
   bool renew(Registration& registration) const GECOS_REQUIRES(mutex_);
   tl::expected<Broker, NoBroker> find_broker(TimePoint deadline);
-  void ask_soon() GECOS_REQUIRES(mutex_);
+  void want(Work work) GECOS_REQUIRES(mutex_);
   Duration served_for(const Registration& registration) const;
   tl::expected<Duration, std::string> register_first(Registration& registration,
                                                      TimePoint deadline);
@@ -110,9 +119,9 @@ class Registrar {
   /// each refusal.
   std::string reported_;
   AskPause pause_;
-  bool wanted_ GECOS_GUARDED_BY(mutex_) = false;
-  /// The time at which `thread_` asks the broker again; TimePoint::max(): only when `wanted_` is
-  /// set.
+  Work wanted_ GECOS_GUARDED_BY(mutex_) = Work::None;
+  /// The time at which `thread_` asks the broker again; TimePoint::max(): only when `wanted_` says
+  /// so.
   TimePoint next_ GECOS_GUARDED_BY(mutex_) = TimePoint::max();
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   std::thread thread_;  ///< own thread, because the search for a broker blocks
