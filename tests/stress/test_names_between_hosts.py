@@ -15,10 +15,11 @@ from pathlib import Path
 
 import pytest
 from hosts import Hosts
-from processes import Laboratory, Program
+from processes import Laboratory, Program, until
 
 NAME_HOLD = 4.0
 """The broker's setting here, in s; by default 10."""
+RUNS_FOR_S = 3.0
 GECOS = [sys.executable, "-m", "gecos.cli"]
 
 
@@ -147,6 +148,22 @@ def test_a_server_of_the_brokers_host_frees_its_name_at_once_over_lcm(two: TwoHo
     two.told("GONE")
     two.serve(0)
     two.told("ONLINE")
+
+
+def test_a_broker_of_another_host_does_not_take_the_place_of_one_that_stands_still(
+    two: TwoHosts,
+) -> None:
+    two.labs[0].env["GECOS_LOG"] = "debug"
+    server = two.serve(0)
+    elsewhere = two.labs[1].build / "runtime/cpp/gecos/broker/gecos-broker"
+    began = time.monotonic()
+    two.start(1, elsewhere).wait_for("ready")
+    until(lambda: time.monotonic() - began > RUNS_FOR_S, "the other broker is older than a pause")
+    two.broker.signal(signal.SIGSTOP)
+    server.wait_for("GWBROKER: connected")
+    ended = server.wait_for("the session with BROKER ended")
+    two.broker.signal(signal.SIGCONT)
+    assert "this program closed the session" in ended, "the session with the other broker"
 
 
 def test_a_server_in_a_container_counts_as_one_of_another_host(two: TwoHosts) -> None:

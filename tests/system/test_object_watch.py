@@ -60,6 +60,13 @@ def next_of(watch: gecos.ObjectWatch) -> str:
     return f"{change.entry.name} {change.presence.name}"
 
 
+def names_at(client: gecos.Lab) -> list[str]:
+    try:
+        return [one.name for one in client.objects(patience=0.1)]
+    except gecos.CreateError:  # the client has not noticed yet that its broker is gone
+        return []
+
+
 @pytest.fixture
 def watching(lab: Laboratory, here: None) -> Program:
     return broker(lab)
@@ -121,13 +128,7 @@ def test_a_broker_that_is_killed_and_restarted_under_fifty_sessions_loses_nothin
         killed.kill()
         broker(lab, medium)
 
-        def names_back() -> bool:
-            try:
-                return len(client.objects(patience=0.1)) == 50
-            except gecos.CreateError:  # the client has not noticed yet that its broker is gone
-                return False
-
-        took = until(names_back, "all names are back")
+        took = until(lambda: len(names_at(client)) == 50, "all names are back")
         assert took < NAMES_BACK_WITHIN_S, f"{took:.3f} s"
         for ride in rides:
             ride.result(PATIENCE)
@@ -152,9 +153,12 @@ def test_a_broker_that_stood_still_is_not_taken_for_another_one(
     server.wait_for("did not answer: no server answers")
     frozen.signal(signal.SIGCONT)
     with gecos.Lab() as client:
-        until(lambda: [one.name for one in client.objects()] == ["RAIL"], "the object is listed")
+        until(lambda: names_at(client) == ["RAIL"], "the object is listed")
+    ends = [line for line in server.lines if "the session with BROKER ended" in line]
     server.terminate()
     assert "another broker has started" not in server.output()
+    if "has been silent for" not in server.output():  # it may be, where the test was interrupted
+        assert all("this program closed the session" in line for line in ends), ends
 
 
 def test_a_server_that_does_not_return_to_the_next_broker_is_told_as_gone(

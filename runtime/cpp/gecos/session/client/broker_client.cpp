@@ -131,6 +131,13 @@ tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevi
   return changes;
 }
 
+std::optional<Duration> running_for(ClientConnection& broker, TimePoint deadline) {
+  const auto found = answer<Broker_changes_result, ListChanges>(
+      *own_call(broker, BrokerInterface::changes, Broker_changes_arguments{}), deadline);
+  if (!found) return std::nullopt;
+  return from_seconds(found->running_for);
+}
+
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,
                                              Duration served_for,
                                              const std::optional<AdmittedNames>& admitted) {

@@ -33,6 +33,10 @@ tl::expected<std::vector<Entry>, std::string> query(Context& lab, const std::str
 tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevision& since,
                                                     TimePoint deadline);
 
+/// Returns for how long `broker` has been running; nullopt if it does not answer by `deadline`, or
+/// is of a version that does not say this.
+std::optional<Duration> running_for(ClientConnection& broker, TimePoint deadline);
+
 /// Registers the object `entry` with the broker until the session with the broker ends.
 /// `served_for`: how long the object has been served. `admitted`: the users and hosts that the
 /// program of the server admits; no value if the program admits no other users.

@@ -14,10 +14,10 @@ namespace gecos::session {
 
 namespace {
 
-/// For this time, the address of a silent broker is asked whether another broker has started there.
-/// A new broker answers within a few round trips; the question is repeated as long as the broker is
-/// silent.
+/// The longest time of one attempt to reach a new broker at the address of a silent one.
 constexpr Duration successor_patience = std::chrono::milliseconds(250);
+/// A broker that counts as unreachable sent its last heartbeat at most this long before.
+constexpr Duration longest_suspicion = std::chrono::milliseconds(500);
 
 void append(std::string& list, const std::string& text) {
   list += (list.empty() ? "" : "; ") + text;
@@ -116,7 +116,9 @@ tl::expected<std::shared_ptr<ClientConnection>, NoBroker> Context::broker(TimePo
         NoBroker{"no broker was found in time: another thread of this program is looking for one" +
                  (missing_.empty() ? std::string() : "; the last search failed: " + missing_)});
   }
-  if (is_settled()) return broker_;
+  // If another thread is looking for the successor of a silent broker, the session with that broker
+  // serves this caller.
+  if (looking_ || (knows_broker() && !broker_->may_have_ended())) return broker_;
   // If the session with the old broker is lost, it is destroyed at the end of this function, while
   // the mutex is not held.
   const auto old = broker_;
@@ -126,7 +128,8 @@ tl::expected<std::shared_ptr<ClientConnection>, NoBroker> Context::broker(TimePo
   lock.unlock();
   tl::expected<std::shared_ptr<ClientConnection>, NoBroker> found;
   try {
-    found = silent ? successor_of(old, deadline) : look_for_broker(deadline);
+    if (silent) found = successor_of(old, deadline);
+    if (!silent || (*found)->lost()) found = look_for_broker(deadline);
   } catch (...) {
     note_broker(silent ? old : nullptr, {});
     throw;
@@ -137,15 +140,15 @@ tl::expected<std::shared_ptr<ClientConnection>, NoBroker> Context::broker(TimePo
 
 std::shared_ptr<ClientConnection> Context::successor_of(std::shared_ptr<ClientConnection> silent,
                                                         TimePoint deadline) {
-  const auto found = connect(*runtime_, silent->place(), BrokerInterface::description,
-                             std::min(deadline, deadline_after(successor_patience)));
+  const TimePoint give_up = std::min(deadline, deadline_after(successor_patience));
+  const auto found = connect(*runtime_, silent->place(), BrokerInterface::description, give_up);
   if (!found || (*found)->welcome().incarnation == silent->welcome().incarnation) return silent;
+  // Two hosts may each have a broker at this address. Only a broker that has started since the
+  // silent one was last heard has taken its place.
+  const auto age = running_for(**found, give_up);
+  if (!age || *age > silent->unreachable_for() + longest_suspicion) return silent;
   silent->give_up("another broker has started at " + silent->place());
   return *found;
-}
-
-bool Context::is_settled() const {
-  return knows_broker() && (looking_ || !broker_->may_have_ended());
 }
 
 bool Context::knows_broker() const { return broker_ && !broker_->lost(); }

@@ -32,7 +32,8 @@ class Context : public std::enable_shared_from_this<Context> {
   const std::shared_ptr<Failover>& failover() const { return failover_; }
   /// Returns the session with this lab's broker, and opens it when there is none. If the broker may
   /// have ended (ClientConnection::may_have_ended), looks whether another broker has started at its
-  /// address; if none answers, the session with the silent broker continues.
+  /// address; if none answers, or another thread is looking, returns the session with the silent
+  /// broker.
   tl::expected<std::shared_ptr<ClientConnection>, NoBroker> broker(TimePoint deadline);
 
   /// Returns what the lab file states about the media. On failure, returns why the file cannot be
@@ -59,13 +60,11 @@ class Context : public std::enable_shared_from_this<Context> {
   std::vector<std::string> broker_addresses(const access::LabBroker& named, std::string& tried);
   tl::expected<std::shared_ptr<ClientConnection>, NoBroker> look_for_broker(TimePoint deadline);
   /// Returns the session with the broker that has taken the place of the broker of `silent`, and
-  /// ends `silent`. Returns `silent` if no other broker answers there.
+  /// ends `silent`. Returns `silent` if no such broker answers.
   std::shared_ptr<ClientConnection> successor_of(std::shared_ptr<ClientConnection> silent,
                                                  TimePoint deadline);
   /// Returns true when this lab has a session with a broker and the session is not lost.
   bool knows_broker() const GECOS_REQUIRES(mutex_);
-  /// Returns true when no thread of this lab has to look for a broker.
-  bool is_settled() const GECOS_REQUIRES(mutex_);
   void note_broker(std::shared_ptr<ClientConnection> found, std::string missing);
 
   const std::shared_ptr<Runtime> runtime_;

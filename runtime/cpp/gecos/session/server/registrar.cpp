@@ -27,6 +27,10 @@ constexpr Duration patience = std::chrono::seconds(2);
 /// time. After this time, actor commands are refused because no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
+/// While the broker is silent, the thread begins to look for a new one at most this often.
+constexpr Duration between_looks = std::chrono::milliseconds(250);
+/// A broker that does not answer is noticed as silent within this time.
+constexpr Duration slice = std::chrono::milliseconds(50);
 /// A missing broker is not reported before this time has passed, because server and broker are
 /// often started together.
 constexpr Duration report_after = std::chrono::seconds(1);
@@ -39,6 +43,17 @@ bool others_find(const Entry& entry, const ClientConnection& broker) {
     return !kind || media::reach_of(*kind) != media::Reach::Process;
   };
   return elsewhere(broker.place()) && std::ranges::any_of(entry.addresses, elsewhere);
+}
+
+/// Waits for the answer to `asked`, a registration. Waits until `deadline`, but no longer once
+/// `broker` may have ended, because a new broker must then be looked for.
+tl::expected<Duration, NotRegistered> answer_of(const ClientConnection& broker, CommandCore& asked,
+                                                TimePoint deadline) {
+  TimePoint until{};
+  do {
+    until = std::min(deadline, deadline_after(slice));
+  } while (!asked.wait_until(until) && until < deadline && !broker.may_have_ended());
+  return await_registered(asked, until);
 }
 
 /// Returns a number for a list of admitted names. The number is greater than that of every earlier
@@ -176,12 +191,13 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
     }
     const auto asked =
         register_object(**broker, registration.entry, Duration::zero(), registration.admitted);
-    const auto enlisted = await_registered(*asked, deadline);
+    const auto enlisted = answer_of(**broker, *asked, deadline);
     if (enlisted) {
       if (*enlisted == Duration::zero()) object.name_confirmation().held(question);
       return *enlisted;
     }
     const bool later = enlisted.error().unheard || (*broker)->lost() ||
+                       (*broker)->may_have_ended() ||
                        (enlisted.error().taken && becomes_free(registration.entry.name, deadline));
     if (later && rest(look_again_after, deadline)) continue;
     if (asked->progress().detail < Detail::Done) take_back(**broker, registration.entry.name);
@@ -275,10 +291,17 @@ void Registrar::run() {
     }
     if (ended_) return;
     if (std::exchange(wanted_, Work::None) == Work::LookForNewBroker) {
+      const TimePoint next_look = deadline_after(between_looks);
       lock.unlock();
       const bool found = has_new_broker();
       lock.lock();
-      if (!found) continue;
+      if (!found) {
+        changed_.wait_until(lock, next_look, [this] {
+          mutex_.assert_held();
+          return ended_ || wanted_ == Work::Ask;
+        });
+        continue;
+      }
     }
     wanted_ = Work::None;
     const auto registrations = registrations_;
@@ -357,8 +380,9 @@ Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& regist
   for (const auto& one : registrations) {
     asked.push_back(register_object(**broker, one.entry, served_for(one), one.admitted));
   }
-  for (const auto& command : asked) answers.of_each.push_back(await_registered(*command, deadline));
-  answers.lost = (*broker)->lost();
+  for (const auto& command : asked)
+    answers.of_each.push_back(answer_of(**broker, *command, deadline));
+  answers.lost = (*broker)->lost() || (*broker)->may_have_ended();
   return answers;
 }
 
@@ -370,12 +394,16 @@ Duration Registrar::served_for(const Registration& registration) const {
 /// not know which names the first broker has assigned.
 tl::expected<Registrar::Broker, NoBroker> Registrar::find_broker(TimePoint deadline) {
   std::string place;
+  Broker known;
   {
     const MutexLock lock(mutex_);
-    if (broker_ && !broker_->lost() && !broker_->may_have_ended()) return broker_;
+    known = broker_;
     place = place_;
   }
+  if (known && !known->lost() && !known->may_have_ended()) return known;
   auto found = lab_->broker(deadline);
+  // `lab_` looks for a new broker at one place only, which may be another one.
+  if (known && !known->lost() && (!found || (*found)->place() != place)) return known;
   if (!place.empty() && (!found || (*found)->place() != place)) {
     Detail why{};
     auto there = connect(*lab_->runtime(), place, BrokerInterface::description, deadline, &why);

@@ -71,7 +71,8 @@ class Registrar {
     std::vector<tl::expected<Duration, NotRegistered>> of_each;
     std::string missing;  ///< why no broker was found
     BrokerAnswer broker = BrokerAnswer::Other;
-    bool lost = false;  ///< the session with the broker was lost during the query
+    bool lost = false;  ///< the session with the broker was lost during the query, or the broker
+                        ///< may have ended
   };
   /// Asks the broker whether it confirms the names, and passes the answers to the objects. Returns
   /// how long to wait before the broker is asked again; Duration::max() when the answers for all
