@@ -63,6 +63,16 @@ TEST_F(ServerWatchTest, CountsNoMoreThanALeaseOfAPauseInWhichThisProcessDidNotRu
   EXPECT_EQ(watch.silent_for(), 1s);
 }
 
+TEST_F(ServerWatchTest, HowLongItIsUnheardIncludesSuchAPause) {
+  after(60s);
+  EXPECT_EQ(watch.unheard_for(), 60s);
+  ++heartbeats;
+  EXPECT_EQ(after(10ms), Verdict::Alive);
+  EXPECT_EQ(watch.unheard_for(), 0s);
+  EXPECT_EQ(after(50ms), Verdict::Quiet);
+  EXPECT_EQ(watch.unheard_for(), 50ms);
+}
+
 TEST_F(ServerWatchTest, AServerThatSendsHeartbeatsButNoAnswersIsMute) {
   const auto next_second = [this] {
     ++heartbeats;

@@ -77,8 +77,8 @@ class ClientConnection final : public ClientSession,
   bool may_have_ended() const {
     return unreachable() && !lost() && !connection_->capabilities().reliable;
   }
-  /// Returns the time since the server became unreachable. @pre `unreachable()`
-  Duration unreachable_for() const { return runtime_->clock().now() - server_.silent_since(); }
+  /// See ServerWatch::unheard_for.
+  Duration unheard_for() const { return server_.unheard_for(); }
 
   Runtime& runtime() { return *runtime_; }
   media::Connection& connection() { return *connection_; }

@@ -16,8 +16,9 @@ namespace {
 
 /// The longest time of one attempt to reach a new broker at the address of a silent one.
 constexpr Duration successor_patience = std::chrono::milliseconds(250);
-/// A broker that counts as unreachable sent its last heartbeat at most this long before.
-constexpr Duration longest_suspicion = std::chrono::milliseconds(500);
+/// The last heartbeat of a broker may have been read this much later than it was sent, because this
+/// process did not run. After a longer pause, a server asks the broker anyway.
+constexpr Duration longest_delay = std::chrono::milliseconds(600);
 
 void append(std::string& list, const std::string& text) {
   list += (list.empty() ? "" : "; ") + text;
@@ -146,7 +147,7 @@ std::shared_ptr<ClientConnection> Context::successor_of(std::shared_ptr<ClientCo
   // Two hosts may each have a broker at this address. Only a broker that has started since the
   // silent one was last heard has taken its place.
   const auto age = running_for(**found, give_up);
-  if (!age || *age > silent->unreachable_for() + longest_suspicion) return silent;
+  if (!age || *age > silent->unheard_for() + longest_delay) return silent;
   silent->give_up("another broker has started at " + silent->place());
   return *found;
 }

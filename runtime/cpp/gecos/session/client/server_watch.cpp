@@ -27,7 +27,8 @@ ServerWatch::ServerWatch(const LabOptions& options, const Clock& clock)
       // have arrived are read before a check.
       liveness_clock_(clock.now(), options.lease_ttl),
       liveness_(bounds_of_server(options)),
-      answers_(options.lease_ttl, 2 * (options.lease_ttl + options.grace), liveness_clock_.now()) {
+      answers_(options.lease_ttl, 2 * (options.lease_ttl + options.grace), liveness_clock_.now()),
+      heard_at_(clock.since_boot()) {
   liveness_.heard(liveness_clock_.now());
 }
 
@@ -35,6 +36,7 @@ PeerLiveness::Verdict ServerWatch::judge_heartbeats(std::uint64_t heartbeats, Ti
   const auto verdict = liveness_.check(heartbeats, liveness_clock_.advance(now));
   if (verdict == PeerLiveness::Verdict::Quiet) return verdict;
   const bool silent = verdict != PeerLiveness::Verdict::Alive;
+  if (!silent) heard_at_.store(clock_.since_boot(), std::memory_order_relaxed);
   if (silent && !unreachable()) silent_since_.store(clock_.now(), std::memory_order_relaxed);
   unreachable_.store(silent, std::memory_order_relaxed);
   return verdict;

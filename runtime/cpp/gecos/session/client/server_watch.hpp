@@ -13,7 +13,8 @@ namespace gecos::session {
 
 /// Judges the server of one session by its heartbeats and by its answers. Does no I/O: the caller
 /// passes the numbers of heartbeats and packets that have arrived. Any thread may call
-/// `unreachable` and `silent_since`; only the maintenance thread may call the other functions.
+/// `unreachable`, `silent_since` and `unheard_for`; only the maintenance thread may call the other
+/// functions.
 class ServerWatch {
  public:
   ServerWatch(const LabOptions& options, const Clock& clock);
@@ -23,6 +24,11 @@ class ServerWatch {
   /// Returns the time at which the server became unreachable, by the clock of the runtime. @pre
   /// `unreachable()`
   TimePoint silent_since() const { return silent_since_.load(std::memory_order_relaxed); }
+  /// Returns the time since the last heartbeat was read, by CLOCK_BOOTTIME. Unlike silent_for(), it
+  /// includes time in which this process did not run.
+  Duration unheard_for() const {
+    return clock_.since_boot() - heard_at_.load(std::memory_order_relaxed);
+  }
 
   /// Judges whether the server is alive. `heartbeats`: number of heartbeats received so far.
   PeerLiveness::Verdict judge_heartbeats(std::uint64_t heartbeats, TimePoint now);
@@ -52,6 +58,7 @@ class ServerWatch {
   AnswerWatch answers_;
   std::atomic<bool> unreachable_{false};   // orders no other memory
   std::atomic<TimePoint> silent_since_{};  // valid while unreachable_; orders no other memory
+  std::atomic<TimePoint> heard_at_;        // by CLOCK_BOOTTIME; orders no other memory
 };
 
 }  // namespace gecos::session
