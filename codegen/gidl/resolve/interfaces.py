@@ -407,7 +407,7 @@ class InterfaceResolver(TypeResolver):
         text = applied.text(name)
         found = read(text)
         if found is None:
-            if text.isdecimal():  # the help line shows this number with the unit of the example
+            if text.isdecimal() and int(text) > 0:  # the help line shows it with a unit
                 example = text + example.lstrip("0123456789")
             self._findings.error(
                 "G0506",
