@@ -48,6 +48,9 @@ from statuses import ACTOR, Act, Grant
 BOUND_S = 1.5
 """grace + 0.5 s: when commands of a killed server have ended at the latest."""
 
+LONGEST_INTERRUPTION_NS = 50_000_000
+"""For so long a busy machine may keep a thread from running; a mark may also be a tick of the
+kernel too early."""
 IN_ORDER = ACTOR | {"gauge"}
 IDEMPOTENT = frozenset({"look"})
 """Sent again when its session was lost, so it may start once in each server's life."""
@@ -207,6 +210,11 @@ class History:
             ),
             None,
         )
+
+    def was_held_up(self, server: Server, start: Start) -> bool:
+        """Whether the handler could not begin when its start was marked."""
+        interrupted = start.began - start.marked <= LONGEST_INTERRUPTION_NS
+        return interrupted or self.freeze_between(server, start) is not None
 
     def sent_again(self) -> int:
         """How many commands were carried out by another server than that of their session."""
@@ -484,16 +492,17 @@ def one_at_a_time(history: History) -> Iterator[str]:
 def begun_for_a_live_caller(history: History) -> Iterator[str]:
     """No command may be marked as started after its client saw its end.
 
-    A mark cannot be withdrawn: if a freeze falls between the mark and the handler, the handler
-    begins for a client that got no answer and gave up. That may be one command of those that run
-    one at a time; of those that run in parallel, only the ones already marked.
+    A mark cannot be withdrawn: if a freeze falls between the mark and the handler, or the kernel
+    takes the core from the thread there, the handler begins for a client that got no answer and
+    gave up. That may be one command of those that run one at a time; of those that run in parallel,
+    only the ones already marked.
     """
     for server, start, call in history.begun_in_vain():
         told = call.told() or 0
         what = f"{server.name}: command {start.command} ({call.state()}/{call.detail()})"
         if start.marked > told:
             yield f"{what} was marked {(start.marked - told) * 1e-9:.6f} s after its end was told"
-        elif call.detail() in LOST and history.freeze_between(server, start) is None:
+        elif call.detail() in LOST and not history.was_held_up(server, start):
             yield (
                 f"{what} began {(start.began - told) * 1e-9:.6f} s after its end was told, and no"
                 " freeze fell between its mark and its handler"

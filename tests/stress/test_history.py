@@ -270,6 +270,21 @@ def test_a_freeze_between_mark_and_handler_is_counted_apart(tmp_path: Path) -> N
     ]
 
 
+def test_a_thread_that_was_interrupted_between_mark_and_handler_is_no_alarm(
+    tmp_path: Path,
+) -> None:
+    """It was, for 1.2 ms, when a line that had been cut was mended as the client gave up."""
+    interrupted = SECOND - history.LONGEST_INTERRUPTION_NS
+    client = (
+        UNKNOWN.replace(f"10 end {TWO}", f"{SECOND - 1} end {TWO}")
+        .replace("11 see", f"{SECOND - 1} see")
+        .replace("12 done", f"{SECOND} done")
+    )
+    assert judged(tmp_path, client, started_late(interrupted), kills="") == []
+    (finding,) = judged(tmp_path, client, started_late(interrupted - 1), kills="")
+    assert "no freeze fell between its mark and its handler" in finding
+
+
 def test_what_the_server_itself_ended_between_mark_and_handler_began_by_then(
     tmp_path: Path,
 ) -> None:
