@@ -20,6 +20,7 @@ from processes import Laboratory, Program, until
 NAME_HOLD = 4.0
 """The broker's setting here, in s; by default 10."""
 RUNS_FOR_S = 3.0
+"""The other broker is then too old to have started in the place of a broker that stands still."""
 GECOS = [sys.executable, "-m", "gecos.cli"]
 
 
