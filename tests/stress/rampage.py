@@ -68,6 +68,9 @@ class Plan:
     pretends: str = ""
     """A request that clients note as done and do not send, for a test of the judge: take, stop,
     break, or master."""
+    change: str = ""
+    """The one change of status that clients make, often: take, master, password, or break. Without,
+    they make all of them, rarely."""
     preload: Path | None = None
 
 
@@ -154,6 +157,7 @@ class Rampage:
             f"faults={self.plan.faults}",
             f"rest_ms={self.plan.rest_ms}",
             f"pretends={self.plan.pretends}",
+            f"change={self.plan.change or self.plan.pretends}",
             f"seed={self._random.randrange(1 << 30)}",
         ]
 
@@ -296,13 +300,13 @@ class Rampage:
 
     def _motion(self, record: str) -> str | None:
         """The motion that the server runs now for a client that has taken over."""
-        moves = r"(?s)did \d+ take\n\d+ issue (\d+) file(?!.* issue )"
-        issued = re.search(moves, record)
-        if issued is None:
+        before, _, last_issued = record.rpartition(" issue ")
+        if re.search(r" did \d+ take\n\d+\Z", before) is None:
             return None
+        motion = last_issued.split(maxsplit=1)[0]
         served = "".join(log.read_text() for log in self.records.glob("server.*.log"))
-        runs = f" start {issued[1]} " in served and f" finish {issued[1]} " not in served
-        return issued[1] if runs else None
+        runs = f" start {motion} " in served and f" finish {motion} " not in served
+        return motion if runs else None
 
     def _await_ready(self, name: str) -> None:
         for role in self.roles:

@@ -188,12 +188,12 @@ class Client {
 
   void change_status() {
     const double which = up_to(1);
-    const std::string& pretends = setting_.text("pretends");
-    if (pretends.empty() ? which < 0.5 : pretends == "take") {
+    const std::string& only = setting_.text("change");
+    if (only.empty() ? which < 0.5 : only == "take") {
       take_over();
-    } else if (pretends.empty() ? which < 0.7 : pretends == "master") {
+    } else if (only.empty() ? which < 0.7 : only == "master") {
       be_master();
-    } else if (pretends.empty() ? which < 0.9 : pretends == "password") {
+    } else if (only.empty() ? which < 0.9 : only == "password") {
       use_another_password();
     } else {
       ask("break", [this] { return gecos::break_status(bench_, "a test of the judge"); });
@@ -205,7 +205,7 @@ class Client {
     for (int left = burst ? 100 : 1 + static_cast<int>(random_() % 8); left > 0; --left) issue();
     if (happens(0.05)) cancel_one();
     if (happens(0.5)) send();
-    if (happens(0.01)) change_status();
+    if (happens(setting_.text("change").empty() ? 0.01 : 0.2)) change_status();
     if (happens(0.01)) {
       ask("stop", [this] { return gecos::stop(bench_); });
       acquire();
@@ -405,6 +405,7 @@ int main(int count, char** words) {
                                  {"faults", ""},
                                  {"rest_ms", "10"},
                                  {"pretends", ""},
+                                 {"change", ""},
                                  {"seed", "1"}});
   std::signal(SIGTERM, [](int) { told_to_end = true; });
   const stress::Balance balance;

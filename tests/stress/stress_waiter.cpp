@@ -50,6 +50,7 @@ int main(int count, char** words) {
                                  {"faults", ""},
                                  {"rest_ms", "10"},
                                  {"pretends", ""},
+                                 {"change", ""},
                                  {"seed", "1"}});
   std::signal(SIGTERM, [](int) { told_to_end = true; });
   const stress::Record record(setting.text("record"));

@@ -294,7 +294,7 @@ def test_the_judge_finds_a_client_that_only_pretends(
 def test_the_motion_of_a_taker_that_is_killed_ends(
     medium: str, build: Path, tmp_path: Path, env: dict[str, str], seed: int
 ) -> None:
-    plan = Plan(medium, seed, clients=1, python_clients=1)
+    plan = Plan(medium, seed, clients=1, python_clients=1, change="take")
     with rampage.rampage(plan, build, tmp_path, env) as lab:
         lab.kill_in_motion()
     told = history.read(tmp_path)

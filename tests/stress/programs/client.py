@@ -47,6 +47,7 @@ class Client:
         self._lease: gecos.Lease | None = None
         self._push: gecos.Writer[int] | None = None
         self._pretends = setting.get("pretends", "")
+        self._only_change = setting.get("change", "")
         self._open: deque[tuple[int, gecos.Command[Any], Callable[[object], int]]] = deque()
         self._record.note(f"client {os.getpid()}")
 
@@ -154,7 +155,7 @@ class Client:
 
     def _change_status(self, bench: Workbench) -> bool:
         """False: the status is lost."""
-        which = self._pretends or self._random.choice(CHANGES)
+        which = self._only_change or self._random.choice(CHANGES)
         if which == "take":
             self._take_over(bench)
             return True
@@ -173,7 +174,8 @@ class Client:
             self._send()
         if self._random.random() < 0.05:
             self._random.choice(self._open)[1].cancel()
-        if self._random.random() < 0.02 and not self._change_status(bench):
+        changes = self._random.random() < (0.2 if self._only_change else 0.02)
+        if changes and not self._change_status(bench):
             return False
         if self._random.random() < 0.1:
             time.sleep(self._random.random() * self._longest_rest_s)
