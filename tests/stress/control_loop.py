@@ -1,5 +1,7 @@
-"""A control loop at 1 kHz that a client in another process closes over shm, in turns with a bare
-loop that only waits: how many cycles each missed, and by how late they began. All share a core."""
+"""A control loop at 1 kHz that a client in another process closes over shm, beside a bare loop that
+only waits: how many cycles each missed, and by how late they began. All share a core at the same
+time, and cycles of both loops are due at the same instants, so that whatever takes the core away
+delays both by as much."""
 
 from __future__ import annotations
 
@@ -8,14 +10,14 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent / "system"))  # processes.py
 
-from processes import Program  # noqa: E402
+from processes import PATIENCE_S, Program  # noqa: E402
 
 RATE_HZ = 1000
 PROGRAM = "tests/stress/stress_loop"
@@ -30,11 +32,11 @@ def _none() -> list[int]:
 
 
 @dataclass(slots=True)
-class Turns:
-    """All turns of one kind of loop. A place p of a histogram counts the delays below 2^p us that
-    belong to no earlier place; its last one has all that are longer."""
+class Cycles:
+    """What one loop has seen. A place p of a histogram counts the delays below 2^p us that belong
+    to no earlier place; its last one has all that are longer."""
 
-    cycles: int = 0
+    count: int = 0
     missed: int = 0
     woke: list[int] = field(default_factory=_none)
     """By how late the loop woke in a cycle."""
@@ -45,8 +47,8 @@ class Turns:
 @dataclass(slots=True)
 class Loops:
     priority: str = ""
-    closed: Turns = field(default_factory=Turns)
-    bare: Turns = field(default_factory=Turns)
+    closed: Cycles = field(default_factory=Cycles)
+    bare: Cycles = field(default_factory=Cycles)
 
     def most_missed(self) -> float:
         return TIMES_BARE * self.bare.missed + MORE
@@ -66,8 +68,8 @@ class Loops:
         return "\n".join(
             [
                 f"control loop at {RATE_HZ} Hz over shm, {self.priority}: {self.closed.missed} of "
-                f"{self.closed.cycles} cycles missed, at most {self.most_missed():g} promised; a "
-                f"bare clock_nanosleep loop missed {self.bare.missed} of {self.bare.cycles}",
+                f"{self.closed.count} cycles missed, at most {self.most_missed():g} promised; a "
+                f"bare clock_nanosleep loop missed {self.bare.missed} of {self.bare.count}",
                 f"{'late by':>12} {'bare loop':>12} {'control loop':>14} {'client has tick':>16}",
                 *table,
             ]
@@ -75,13 +77,11 @@ class Loops:
 
 
 def run(seconds: int, build: Path, env: Mapping[str, str]) -> Loops:
-    """Lets both loops run so long, in turns of a second."""
-    loops = Loops()
+    """Lets both loops run beside each other for so long."""
     with contextlib.ExitStack() as stack:
         place = tempfile.mkdtemp(prefix="gecos-")
         stack.callback(shutil.rmtree, place, ignore_errors=True)
         inside = {**os.environ, **env, "GECOS_RUNTIME_DIR": place, "GECOS_BROKER": "shm"}
-        # On one core, so that whatever takes the core away does so from both programs at once.
         program = ("taskset", "-c", str(max(os.sched_getaffinity(0))), build / PROGRAM)
 
         def start(*command: str | Path, listens: bool = False) -> Program:
@@ -91,32 +91,25 @@ def run(seconds: int, build: Path, env: Mapping[str, str]) -> Loops:
 
         start(build / "runtime/cpp/gecos/broker/gecos-broker").wait_for("ready")
         device = start(*program, "device", listens=True)
-        loops.priority = device.wait_for("priority: ").removeprefix("priority: ")
+        priority = device.wait_for("priority: ").removeprefix("priority: ")
         device.wait_for("ready")
         start(*program, "client").wait_for("ready")
-        for turns, kind in _turns(loops, seconds):
-            device.tell(f"{kind} {RATE_HZ}")
-            _take(turns, device)
-    return loops
+        bare = start(*program, "bare", listens=True)
+        bare.wait_for("ready")
+        for loop in (device, bare):
+            loop.tell(str(seconds * RATE_HZ))
+        patience = seconds + PATIENCE_S
+        return Loops(priority, closed=_seen_by(device, patience), bare=_seen_by(bare, patience))
 
 
-def _turns(loops: Loops, seconds: int) -> Iterator[tuple[Turns, str]]:
-    for _ in range(seconds):
-        yield loops.closed, "closed"
-        yield loops.bare, "bare"
+def _seen_by(loop: Program, patience: float) -> Cycles:
+    _, count, _, missed = loop.wait_for("cycles ", patience).split()
+    woke, answered = _counts(loop.wait_for("woke ")), _counts(loop.wait_for("answered "))
+    return Cycles(int(count), int(missed), woke, answered)
 
 
-def _take(turns: Turns, device: Program) -> None:
-    _, cycles, _, missed = device.wait_for("cycles ").split()
-    turns.cycles += int(cycles)
-    turns.missed += int(missed)
-    turns.woke = _sum(turns.woke, device.wait_for("woke "))
-    turns.answered = _sum(turns.answered, device.wait_for("answered "))
-
-
-def _sum(so_far: list[int], line: str) -> list[int]:
-    more = [int(count) for count in line.split()[1:]]
-    return [one + other for one, other in zip(so_far, more, strict=True)]
+def _counts(line: str) -> list[int]:
+    return [int(count) for count in line.split()[1:]]
 
 
 def _end(program: Program) -> None:

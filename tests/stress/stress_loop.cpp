@@ -1,15 +1,16 @@
-// A control loop at 1 kHz that is closed by a client in another process;
-// tests/stress/control_loop.py starts both and judges. The first word says which of the two:
-//   device   serves LOOP, then does what each line of its input says, with 1,000 cycles a second:
-//              closed <cycles>   publishes a tick in each cycle, and expects its answer in the next
-//              bare <cycles>     only waits for each cycle
-//            and prints "cycles <n> missed <n>", "woke <n> …" and "answered <n> …". The last two
-//            count by how late the loop woke, and how late the client had read the tick: in the
-//            place p, those that were less than 2^p us late and belong to no earlier place.
-//   client   answers each tick, until the device is gone.
+// A control loop at 1 kHz that is closed by a client in another process, and beside it a bare loop
+// that only waits; tests/stress/control_loop.py starts all three and judges. The word says which:
+//   device   serves LOOP, publishes a tick in each cycle, and expects its answer in the next
+//   client   answers each tick, until the device is gone
+//   bare     only waits for each cycle
+// Both loops run as many cycles as a line of their input says, 1,000 in a second, and print then
+// "cycles <n> missed <n>", "woke <n> …" and "answered <n> …". The last two count by how late the
+// loop woke, and how late the client had read the tick: in the place p, those that were less than
+// 2^p us late and belong to no earlier place.
 // A cycle is missed if the loop wakes only after the next one was due, and if the answer of its
 // tick has not come when the next one begins.
 
+#include <sched.h>
 #include <time.h>
 
 #include <algorithm>
@@ -80,7 +81,8 @@ class Cycles {
   const Histogram& woke() const { return woke_; }
 
  private:
-  Clock::time_point due_ = Clock::now();
+  // In whole milliseconds of the clock: at the same instants in every process.
+  Clock::time_point due_ = std::chrono::ceil<std::chrono::milliseconds>(Clock::now());
   Histogram woke_;
 };
 
@@ -156,6 +158,15 @@ void take_priority() {
   std::printf("priority: %s\n", missing ? missing->c_str() : "real-time");
 }
 
+/// Runs so many cycles for each line of the input.
+template <class Run>
+int obey(Run run) {
+  std::puts("ready");
+  std::fflush(stdout);
+  for (std::int64_t cycles = 0; std::cin >> cycles;) run(cycles);
+  return std::cin.eof() ? 0 : fail("how many cycles?");
+}
+
 int serve() {
   gecos::Lab lab;
   Device device;
@@ -163,20 +174,18 @@ int serve() {
   const auto added = server.add("LOOP", device, {.media = {gecos::media::Kind::Shm}});
   if (!added) return fail(added.error().text);
   take_priority();
-  std::puts("ready");
-  std::fflush(stdout);
-  for (std::string kind; std::cin >> kind;) {
-    std::int64_t cycles = 0;
-    if (!(std::cin >> cycles) || cycles <= 0) return fail("how many cycles?");
-    if (kind == "closed") {
-      device.run_closed(cycles);
-    } else if (kind == "bare") {
-      run_bare(cycles);
-    } else {
-      return fail("not known: " + kind);
-    }
-  }
-  return 0;
+  return obey([&device](std::int64_t cycles) { device.run_closed(cycles); });
+}
+
+/// With a priority above that of the closed loop where that has one, so that the bare loop misses
+/// no cycle because the closed one, or its client, keeps the core.
+int wait_beside() {
+  take_priority();
+  sched_param priority{};
+  if (::sched_getparam(0, &priority) != 0) return fail("sched_getparam: no priority");
+  if (priority.sched_priority > 0) ++priority.sched_priority;
+  if (::sched_setparam(0, &priority) != 0) return fail("sched_setparam: no higher priority");
+  return obey(run_bare);
 }
 
 int answer() {
@@ -207,5 +216,6 @@ int main(int count, char** words) {
   const std::string role = count == 2 ? words[1] : "";
   if (role == "device") return serve();
   if (role == "client") return answer();
-  return fail("give device or client");
+  if (role == "bare") return wait_beside();
+  return fail("give device, client or bare");
 }
