@@ -24,8 +24,9 @@ NAMES_BACK_WITHIN_S = 2.0
 CLIENT_KIB_IN_SERVER = 64.0
 IDLE_PERCENT = 0.05
 TIMES_ALONE = 1.2
-CALLS, ROUNDS = 400, 51
-"""A round trip is the median of so many calls, in the median of so many rounds."""
+CALLS, ROUNDS, GATHERINGS = 400, 300, 3
+"""A round trip is the median of so many calls, in the median of so many rounds before, or after,
+each of so many gatherings of the crowd: the speed of a machine changes in seconds."""
 ASK = """
 import sys, gecos
 lab, wanted = gecos.Lab(), int(sys.argv[1])
@@ -136,7 +137,10 @@ class Laboratory:
     def servers(self) -> list[Program]:
         each = self._crowd.objects // self._crowd.servers
         serving = [
-            self._member(f"serve={','.join(self.names[first : first + each])}")
+            self._member(
+                f"serve={','.join(self.names[first : first + each])}",
+                core=None if first else min(os.sched_getaffinity(0)),
+            )
             for first in range(0, self._crowd.objects, each)
         ]
         for server in serving:
@@ -156,13 +160,18 @@ class Laboratory:
         ]
 
     def one_client(self) -> Program:
-        client = self._member(f"reach={self.names[0]}", "clients=1")
+        """A client that is not of the crowd. It and its server keep to a core each: where the
+        scheduler puts the two beside a crowd changes their round trip over lcm by a third."""
+        client = self._member(
+            f"reach={self.names[0]}", "clients=1", core=max(os.sched_getaffinity(0))
+        )
         client.wait_for("ready")
         return client
 
-    def _member(self, *words: str) -> Program:
+    def _member(self, *words: str, core: int | None = None) -> Program:
         program = self._build / "tests" / "stress" / "stress_crowd"
-        return self.start([program, *words, f"medium={self._crowd.medium}"], listens=True)
+        pinned = [] if core is None else ["taskset", "-c", str(core)]
+        return self.start([*pinned, program, *words, f"medium={self._crowd.medium}"], listens=True)
 
 
 def _end(program: Program) -> None:
@@ -184,12 +193,12 @@ def many_files() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
-def round_trip_us(client: Program) -> float:
+def round_trips_us(client: Program) -> list[float]:
     medians = []
     for _ in range(ROUNDS):
         client.tell(f"call {CALLS}")
         medians.append(float(client.wait_for("median").split()[1]))
-    return statistics.median(medians)
+    return medians
 
 
 def measure(crowd: Crowd, build: Path, env: Mapping[str, str]) -> Costs:
@@ -200,22 +209,24 @@ def measure(crowd: Crowd, build: Path, env: Mapping[str, str]) -> Costs:
         broker = laboratory.broker()
         servers = laboratory.servers()
         caller = laboratory.one_client()
-        round_trip_us(caller)  # the first calls fill caches
-        alone_us = round_trip_us(caller)
+        round_trips_us(caller)  # the first calls fill caches
+        alone_us = round_trips_us(caller)
         kib_before = resident_kib(servers)
 
-        began = time.monotonic()
-        clients = laboratory.clients()
-        for client in clients:
-            client.wait_for("ready", patience=10 * CONNECTED_WITHIN_S)
-        connected_s = time.monotonic() - began
+        clients, connected_s = _gathered(laboratory)
         server_kib = (resident_kib(servers) - kib_before) / crowd.clients
 
         before = processor_s(clients), processor_s(servers)
         time.sleep(crowd.idle_s)  # the time over which processor time is counted
         own_s, served_s = processor_s(clients) - before[0], processor_s(servers) - before[1]
         percent = 100 / crowd.idle_s / crowd.clients
-        beside_us = round_trip_us(caller)
+        beside_us = round_trips_us(caller)
+
+        for _ in range(1, GATHERINGS):
+            _dismiss(clients)
+            alone_us += round_trips_us(caller)
+            clients, _ = _gathered(laboratory)
+            beside_us += round_trips_us(caller)
 
         broker.kill()
         began = time.monotonic()
@@ -226,10 +237,27 @@ def measure(crowd: Crowd, build: Path, env: Mapping[str, str]) -> Costs:
             own_s * percent,
             served_s * percent,
             server_kib,
-            alone_us,
-            beside_us,
+            statistics.median(alone_us),
+            statistics.median(beside_us),
             names_back_s,
         )
+
+
+def _gathered(laboratory: Laboratory) -> tuple[list[Program], float]:
+    """A crowd that is connected, and how long that took, in s."""
+    began = time.monotonic()
+    clients = laboratory.clients()
+    for client in clients:
+        client.wait_for("ready", patience=10 * CONNECTED_WITHIN_S)
+    return clients, time.monotonic() - began
+
+
+def _dismiss(clients: Sequence[Program]) -> None:
+    """Ends all at once, and in order, so that their servers know of it."""
+    for client in clients:
+        client.end_of_input()
+    for client in clients:
+        assert client.finish() == 0
 
 
 def _names_back(laboratory: Laboratory, began: float) -> float:
