@@ -7,7 +7,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from run_lanes import OWN_NETWORK, Lane, Verdict, all_lanes, in_steps, run, run_together, summary
+from run_lanes import (
+    OWN_NETWORK,
+    Lane,
+    Verdict,
+    all_lanes,
+    in_steps,
+    run,
+    run_all,
+    run_together,
+    summary,
+)
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -112,13 +122,35 @@ def test_lanes_that_share_the_network_run_together_where_each_may_have_its_own(
     may: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("run_lanes.has_own_networks", lambda: may)
-    steps = in_steps(all_lanes("build", 2))
+    lanes = [lane for lane in all_lanes("build", 2) if not lane.low_priority]
+    steps = in_steps(lanes)
     together = [lane.name for step in steps if len(step) > 1 for lane in step]
-    sharing = ["systems", "robots", "pytest", "stress"]
-    assert together == (["compiler", "docs", *sharing] if may else [])
+    sharing = ["systems", "stress", "pytest", "robots"]
+    assert together == (["docs", *sharing] if may else [])
     apart = [lane.name for lane in steps[-1] if lane.command[: len(OWN_NETWORK)] == OWN_NETWORK]
     assert apart == (sharing if may else [])
-    assert len([lane for step in steps for lane in step]) == len(all_lanes("build", 2))
+    assert len([lane for step in steps for lane in step]) == len(lanes)
+
+
+def test_a_lane_of_low_priority_runs_beside_all_others_and_is_shown_last(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(tmp_path / "pipe")  # opens for neither of them until both are there
+    low = lane(f"print('A'); open({str(tmp_path / 'pipe')!r}).read(); print('1 passed')")
+    first = lane("print('B'); print('2 passed')")
+    second = lane(f"print('C'); open({str(tmp_path / 'pipe')!r}, 'w').close(); print('3 passed')")
+    verdicts = run_all([replace(low, low_priority=True), first, second], 2)
+    assert [v.closing_line for v in verdicts] == ["2 passed", "3 passed", "1 passed"]
+    said = [line for line in capfd.readouterr().out.splitlines() if len(line) == 1]
+    assert said == ["B", "C", "A"]
+
+
+def test_a_lane_of_low_priority_alone_is_shown_as_it_comes(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    (verdict,) = run_all([replace(lane("print('1 passed')"), low_priority=True)], 2)
+    assert verdict.passed
+    assert "1 passed" in capfd.readouterr().out
 
 
 def test_every_test_of_python_belongs_to_one_lane() -> None:
