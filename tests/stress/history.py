@@ -49,8 +49,8 @@ BOUND_S = 1.5
 """grace + 0.5 s: when commands of a killed server have ended at the latest."""
 
 LONGEST_INTERRUPTION_NS = 50_000_000
-"""For so long a busy machine may keep a thread from running; a mark may also be a tick of the
-kernel too early."""
+"""For so long a thread may not be let run though the machine's watcher is not late; a mark may also
+be a tick of the kernel too early."""
 IN_ORDER = ACTOR | {"gauge"}
 IDEMPOTENT = frozenset({"look"})
 """Sent again when its session was lost, so it may start once in each server's life."""
@@ -213,7 +213,8 @@ class History:
 
     def was_held_up(self, server: Server, start: Start) -> bool:
         """Whether the handler could not begin when its start was marked."""
-        interrupted = start.began - start.marked <= LONGEST_INTERRUPTION_NS
+        late_ns = self.late_s(start.marked, start.began) * 1e9
+        interrupted = start.began - start.marked - late_ns <= LONGEST_INTERRUPTION_NS
         return interrupted or self.freeze_between(server, start) is not None
 
     def sent_again(self) -> int:
