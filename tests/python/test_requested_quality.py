@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable
+from typing import Any
 
 import gecos
 import pytest
@@ -82,7 +83,7 @@ def test_a_class_that_the_medium_does_not_meet_refuses_the_create(lab: gecos.Lab
     with pytest.raises(gecos.CreateError) as refused:
         lab.create(Lamp, "LAMP", medium="lcm", class_="HARD_REALTIME")
     assert str(refused.value) == (
-        "LAMP: QOS_UNAVAILABLE: LAMP no medium meets the required quality; class=HARD_REALTIME: "
+        "LAMP: QOS_UNAVAILABLE: no medium meets the required quality; class=HARD_REALTIME: "
         "the medium lcm shares a queue with other programs and may lose packets"
     )
     lamp = lab.create(Lamp, "LAMP", medium="shm", class_="HARD_REALTIME")
@@ -130,3 +131,11 @@ WRONG: dict[str, Callable[[gecos.Lab], object]] = {
 def test_a_request_that_means_nothing_is_refused_at_once(lab: gecos.Lab, text: str) -> None:
     with pytest.raises(ValueError, match=f"^{re.escape(text)}$"):
         WRONG[text](lab)
+
+
+@pytest.mark.parametrize("term", ["latency", "deadline", "lifespan"])
+@pytest.mark.parametrize("wrong", ["1s", True, [0.5]])
+def test_a_time_that_is_no_number_is_refused_at_once(lab: gecos.Lab, term: str, wrong: Any) -> None:
+    text = f"{term} must be a number of seconds, such as 0.5, not {wrong!r}"
+    with pytest.raises(TypeError, match=f"^{re.escape(text)}$"):
+        lab.create(Lamp, "LAMP", **{term: wrong})

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from enum import IntEnum
+from numbers import Real
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TypedDict, TypeVar
 
@@ -301,6 +302,8 @@ def _longest(term: str, seconds: float | None) -> float:
     """Returns a longest time that is requested; 0 if none is requested."""
     if seconds is None:
         return 0.0
+    if isinstance(seconds, bool) or not isinstance(seconds, Real):
+        raise TypeError(f"{term} must be a number of seconds, such as 0.5, not {seconds!r}")
     if not seconds >= _SHORTEST:
         raise ValueError(
             f"{term} must be 1 ns or more, not {seconds} s; leave it out to request no {term}"

@@ -67,8 +67,8 @@ class ObjectConnector {
       return tl::unexpected(closed_lab(name_));  // the lab was closed meanwhile
     }
     if (unsuitable) {
-      return tl::unexpected(
-          Attempt{name_, Detail::QosUnavailable, channel + " " + selection.why_none()});
+      const std::string which = channel == name_ ? "" : channel + ": ";
+      return tl::unexpected(Attempt{name_, Detail::QosUnavailable, which + selection.why_none()});
     }
     const std::string& left_out = selection.left_out();
     failed.reason = channel + " cannot be reached" + (without ? " over another medium (" : " (") +
