@@ -176,8 +176,9 @@ def move(moves: int, build: Path, figures: Figures) -> None:
 
     names = ("robcl_random_moves_test", "robcl_move_chain_test")
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        # The list raises what a thread raised, such as that a test was not built.
-        list(pool.map(try_moves, product(names, ("rx90", "puma560", "seven_axes"))))
+        # Those that last longest begin. The list raises what a thread raised, such as that a test
+        # was not built.
+        list(pool.map(try_moves, product(names, ("seven_axes", "puma560", "rx90"))))
 
 
 def hand_over(times: int, build: Path, figures: Figures) -> None:
