@@ -8,6 +8,7 @@ this machine fails: nothing is skipped.
 """
 
 import argparse
+import contextlib
 import os
 import re
 import signal
@@ -21,7 +22,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 TREE = Path(__file__).resolve().parent.parent
-LONGEST_LANE = 40 * 60.0  # s; the lane `compiler` lasts nearly as long as all others together
+LONGEST_LANE = 20 * 60.0  # s
+LONGEST_LOW_PRIORITY = 40 * 60.0  # s; the lane `compiler` lasts as long as all others together
 LONGEST_LIST = 20  # the last failures of a lane, which the summary repeats
 # A network of its own, in which multicast stays: `unshare -n` needs to be root.
 OWN_NETWORK = (
@@ -30,6 +32,14 @@ OWN_NETWORK = (
     "sh",
     "-euc",
     'ip link set lo up multicast on; ip route add 224.0.0.0/4 dev lo; exec "$@"',
+    "sh",
+)
+# Each lane is a session, and Linux may share the processor between sessions: then nice(1) counts
+# only within the lane, and the value in /proc/self/autogroup against other lanes (sched(7)).
+LOW_PRIORITY = (
+    "sh",
+    "-c",
+    '{ echo 19 >/proc/self/autogroup; } 2>/dev/null; exec nice -n 19 "$@"',
     "sh",
 )
 
@@ -44,7 +54,7 @@ class Lane:
     closing: str
     failure: str | None = None
     shares_network: bool = False
-    alone: bool = False
+    alone: bool = False  # no lane of normal priority runs beside it
     beside: bool = False  # may run beside the lanes that share the network
     low_priority: bool = False  # runs beside all others, in the time that they leave
 
@@ -101,12 +111,12 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             r"^\d+% tests passed",
             r"^\d+ - .*\((?!Skipped|Disabled)[^()]+\)$|: Failure$",
         ),
-        # No test in this lane measures time.
+        # No test in this lane measures time, so all others may delay it.
         Lane(
             "compiler",
             (
-                *("nice", "-n", "19", python, "-m", "pytest", f"-n{jobs}", "--dist=worksteal"),
-                *("--timeout=2400", "--durations=12", *compiling),
+                *(python, "-m", "pytest", f"-n{jobs}", "--dist=worksteal"),
+                *("--timeout=1800", "--durations=12", *compiling),
             ),
             *pytest_lines,
             low_priority=True,
@@ -147,9 +157,24 @@ def shown(text: str) -> None:
     print(text, end="", flush=True)
 
 
+_interrupted = threading.Event()
+_groups: set[int] = set()  # process groups of the lanes that run
+
+
+def end_lanes(number: int, _frame: object) -> None:
+    """Kills all lanes that run; no other begins. A signal of the terminal does not reach them."""
+    _interrupted.set()
+    for group in tuple(_groups):
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(group, signal.SIGKILL)
+    raise SystemExit(128 + number)
+
+
 def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] = shown) -> Verdict:
     """Runs `lane` and passes its output to `show` as it comes. After `limit` seconds, kills the
     lane with all its processes."""
+    if _interrupted.is_set():
+        return Verdict(lane, False, "not begun", 0.0)
     show(f"\n──── {lane.name}: {' '.join(lane.command)}\n")
     started = time.monotonic()
     try:
@@ -166,6 +191,9 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
     except OSError as error:
         return Verdict(lane, False, f"could not be started: {error}", 0.0)
 
+    _groups.add(process.pid)
+    if _interrupted.is_set():
+        os.killpg(process.pid, signal.SIGKILL)
     late = threading.Event()
 
     def end() -> None:
@@ -187,6 +215,7 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
             if lane.failure is not None and re.search(lane.failure, text):
                 failures.append(text)
         status, used = wait_for(process)
+    _groups.discard(process.pid)
     watch.cancel()
 
     if late.is_set():
@@ -249,17 +278,22 @@ def at_a_time(cores: int) -> int:
 
 def run_all(lanes: Sequence[Lane], cores: int) -> list[Verdict]:
     """Runs the lanes of low priority in turn, beside all others, which run step by step. Their
-    output is shown when the others have ended."""
-    low = [lane for lane in lanes if lane.low_priority]
+    output is shown at the end, after that of the others."""
+    low = [
+        replace(lane, command=(*LOW_PRIORITY, *lane.command)) for lane in lanes if lane.low_priority
+    ]
     steps = in_steps([lane for lane in lanes if not lane.low_priority])
     held: list[str] = []
     show = held.append if steps else shown
     with ThreadPoolExecutor(1) as pool:
-        beside = pool.submit(lambda: [run(lane, show=show) for lane in low])
-        verdicts = [each for step in steps for each in run_together(step, at_a_time(cores))]
-        verdicts += beside.result()
-    shown("".join(held))
-    return verdicts
+        beside = pool.submit(lambda: [run(lane, LONGEST_LOW_PRIORITY, show) for lane in low])
+        try:
+            verdicts = [each for step in steps for each in run_together(step, at_a_time(cores))]
+            if steps and low:
+                shown(f"\n──── waiting for: {', '.join(lane.name for lane in low)}\n")
+            return [*verdicts, *beside.result()]
+        finally:
+            shown("".join(held))
 
 
 def summary(verdicts: Sequence[Verdict]) -> str:
@@ -292,6 +326,8 @@ def main() -> int:
     if unknown:
         known = ", ".join(lane.name for lane in lanes)
         parser.error(f"no lane {', '.join(sorted(unknown))}; there are {known}")
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, end_lanes)
     os.environ["GECOS_BUILD"] = asked.build  # where pytest finds the programs
     wanted = [lane for lane in lanes if not asked.lanes or lane.name in asked.lanes]
     verdicts = run_all(wanted, asked.jobs)

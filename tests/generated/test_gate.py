@@ -14,7 +14,7 @@ import pytest
 GATE = Path(__file__).with_name("gate")
 
 
-@pytest.mark.timeout(2400)
+@pytest.mark.timeout(1800)
 def test_both_languages_and_the_gates_own_encoder_give_the_same_verdicts() -> None:
     seed = os.environ.get("GIDL_GATE_SEED", "1")
     done = subprocess.run(

@@ -24,9 +24,8 @@ NAMES_BACK_WITHIN_S = 2.0
 CLIENT_KIB_IN_SERVER = 64.0
 IDLE_PERCENT = 0.05
 TIMES_ALONE = 1.2
-CALLS, ROUNDS, GATHERINGS = 400, 300, 3
-"""A round trip is the median of so many calls, in the median of so many rounds before, or after,
-each of so many gatherings of the crowd: the speed of a machine changes in seconds."""
+CALLS = 400
+"""A round trip is the median over the rounds of the median of so many calls."""
 ASK = """
 import sys, gecos
 lab, wanted = gecos.Lab(), int(sys.argv[1])
@@ -48,6 +47,9 @@ class Crowd:
     clients: int = 1000
     client_processes: int = 50
     idle_s: float = 10.0
+    rounds: int = 300
+    gatherings: int = 3
+    """How often the crowd gathers; each time, the round trip just before counts as that alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,16 +64,18 @@ class Costs:
     server_kib: float
     """Memory of a client in the process of its server."""
     alone_us: float
-    """Round trip of the only client."""
+    """Round trip of the only client, which is pinned to a core, as its server is."""
     beside_us: float
-    """Round trip of that client while all others are idle."""
+    """Round trip of that client while all others are idle. This and `alone_us` are of the gathering
+    whose ratio is the median."""
     names_back_s: float
 
     def __str__(self) -> str:
         return (
             f"connected in {self.connected_s:.2f} s; an idle client takes {self.idle_percent:.4f} %"
             f" of a core, and {self.served_percent:.4f} % and {self.server_kib:.1f} KiB in its"
-            f" server; round trip {self.beside_us:.1f} us beside them, {self.alone_us:.1f} us alone"
+            f" server; round trip of pinned programs {self.beside_us:.1f} us beside them,"
+            f" {self.alone_us:.1f} us alone"
             f" ({self.beside_us / self.alone_us:.2f} times);"
             f" names back in {self.names_back_s:.2f} s"
         )
@@ -160,8 +164,9 @@ class Laboratory:
         ]
 
     def one_client(self) -> Program:
-        """A client that is not of the crowd. It and its server keep to a core each: where the
-        scheduler puts the two beside a crowd changes their round trip over lcm by a third."""
+        """A client outside the crowd. It and its server are each pinned to a core, which the crowd
+        uses, too: without that their round trip over lcm was 1.25 times that without a crowd on two
+        cores, because the scheduler moved them."""
         client = self._member(
             f"reach={self.names[0]}", "clients=1", core=max(os.sched_getaffinity(0))
         )
@@ -193,12 +198,12 @@ def many_files() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
-def round_trips_us(client: Program) -> list[float]:
+def round_trip_us(client: Program, rounds: int) -> float:
     medians = []
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         client.tell(f"call {CALLS}")
         medians.append(float(client.wait_for("median").split()[1]))
-    return medians
+    return statistics.median(medians)
 
 
 def measure(crowd: Crowd, build: Path, env: Mapping[str, str]) -> Costs:
@@ -209,24 +214,25 @@ def measure(crowd: Crowd, build: Path, env: Mapping[str, str]) -> Costs:
         broker = laboratory.broker()
         servers = laboratory.servers()
         caller = laboratory.one_client()
-        round_trips_us(caller)  # the first calls fill caches
-        alone_us = round_trips_us(caller)
-        kib_before = resident_kib(servers)
+        round_trip_us(caller, 1)  # the first calls fill caches
 
-        clients, connected_s = _gathered(laboratory)
-        server_kib = (resident_kib(servers) - kib_before) / crowd.clients
+        clients: list[Program] = []
+        trips: list[tuple[float, float]] = []
+        connected_s, kib = 0.0, []
+        for _ in range(crowd.gatherings):
+            _dismiss(clients)
+            alone_us, kib_before = round_trip_us(caller, crowd.rounds), resident_kib(servers)
+            clients, took_s = _gather(laboratory)
+            connected_s = max(connected_s, took_s)
+            kib.append((resident_kib(servers) - kib_before) / crowd.clients)
+            trips.append((alone_us, round_trip_us(caller, crowd.rounds)))
+        trips.sort(key=lambda trip: trip[1] / trip[0])
+        alone_us, beside_us = trips[len(trips) // 2]
 
         before = processor_s(clients), processor_s(servers)
         time.sleep(crowd.idle_s)  # the time over which processor time is counted
         own_s, served_s = processor_s(clients) - before[0], processor_s(servers) - before[1]
         percent = 100 / crowd.idle_s / crowd.clients
-        beside_us = round_trips_us(caller)
-
-        for _ in range(1, GATHERINGS):
-            _dismiss(clients)
-            alone_us += round_trips_us(caller)
-            clients, _ = _gathered(laboratory)
-            beside_us += round_trips_us(caller)
 
         broker.kill()
         began = time.monotonic()
@@ -236,15 +242,15 @@ def measure(crowd: Crowd, build: Path, env: Mapping[str, str]) -> Costs:
             connected_s,
             own_s * percent,
             served_s * percent,
-            server_kib,
-            statistics.median(alone_us),
-            statistics.median(beside_us),
+            max(kib),  # those of the first crowd: later ones reuse its memory
+            alone_us,
+            beside_us,
             names_back_s,
         )
 
 
-def _gathered(laboratory: Laboratory) -> tuple[list[Program], float]:
-    """A crowd that is connected, and how long that took, in s."""
+def _gather(laboratory: Laboratory) -> tuple[list[Program], float]:
+    """Starts a crowd. Returns its programs when all are connected, and how long that took, in s."""
     began = time.monotonic()
     clients = laboratory.clients()
     for client in clients:
@@ -253,7 +259,8 @@ def _gathered(laboratory: Laboratory) -> tuple[list[Program], float]:
 
 
 def _dismiss(clients: Sequence[Program]) -> None:
-    """Ends all at once, and in order, so that their servers know of it."""
+    """Closes the input of all clients, so that each says goodbye to its servers, and waits for
+    their ends."""
     for client in clients:
         client.end_of_input()
     for client in clients:

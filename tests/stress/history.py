@@ -49,8 +49,8 @@ BOUND_S = 1.5
 """grace + 0.5 s: when commands of a killed server have ended at the latest."""
 
 LONGEST_INTERRUPTION_NS = 50_000_000
-"""For so long a thread may not be let run though the machine's watcher is not late; a mark may also
-be a tick of the kernel too early."""
+"""A thread may wait this long for a processor without the watcher of the machine being late. The
+stamp of a mark may also be one tick of the kernel too early."""
 IN_ORDER = ACTOR | {"gauge"}
 IDEMPOTENT = frozenset({"look"})
 """Sent again when its session was lost, so it may start once in each server's life."""

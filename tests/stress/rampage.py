@@ -66,11 +66,11 @@ class Plan:
     zone: bool = False
     """The server is in a zone in which a person comes and leaves."""
     pretends: str = ""
-    """A request that clients note as done and do not send, for a test of the judge: take, stop,
-    break, or master."""
+    """A request that clients note as done and do not send, for a test of the judge: take, master,
+    password or break."""
     change: str = ""
-    """The one change of status that clients make, often: take, master, password, or break. Without,
-    they make all of them, rarely."""
+    """The only change of status that clients make, and they make it often: take, master, password
+    or break. If empty, they make all four, rarely; but `pretends` is made often, too."""
     preload: Path | None = None
 
 
@@ -301,9 +301,10 @@ class Rampage:
     def _motion(self, record: str) -> str | None:
         """The motion that the server runs now for a client that has taken over."""
         before, _, last_issued = record.rpartition(" issue ")
-        if re.search(r" did \d+ take\n\d+\Z", before) is None:
+        last = re.match(r"(\d+) file ", last_issued)
+        if last is None or re.search(r" did \d+ take\n\d+\Z", before) is None:
             return None
-        motion = last_issued.split(maxsplit=1)[0]
+        motion = last[1]
         served = "".join(log.read_text() for log in self.records.glob("server.*.log"))
         runs = f" start {motion} " in served and f" finish {motion} " not in served
         return motion if runs else None

@@ -3,10 +3,11 @@
 //   device   serves LOOP, publishes a tick in each cycle, and expects its answer in the next
 //   client   answers each tick, until the device is gone
 //   bare     only waits for each cycle
-// Both loops run as many cycles as a line of their input says, 1,000 in a second, and print then
-// "cycles <n> missed <n>", "woke <n> …" and "answered <n> …". The last two count by how late the
-// loop woke, and how late the client had read the tick: in the place p, those that were less than
-// 2^p us late and belong to no earlier place.
+// Each line of the input of a loop is a number of cycles. The loop runs that many, 1,000 a second,
+// and then prints "from <ns> to <ns>", when the first and the last of them were due, "cycles <n>
+// missed <n>", "woke <n> …" and "answered <n> …". The last two count by how late the loop woke, and
+// how late the client had read the tick: in the place p, those that were less than 2^p us late and
+// belong to no earlier place.
 // A cycle is missed if the loop wakes only after the next one was due, and if the answer of its
 // tick has not come when the next one begins.
 
@@ -66,8 +67,9 @@ void sleep_until(Clock::time_point when) {
 }
 
 /// When each cycle is due. A cycle that was due before the previous one had begun is passed over.
-class Cycles {
+class CycleTimer {
  public:
+  CycleTimer() { sleep_until(due_); }
   /// Waits for the next cycle. Returns how many were passed over.
   std::int64_t wait() {
     sleep_until(due_ += period);
@@ -77,12 +79,14 @@ class Cycles {
     due_ += passed * period;
     return passed;
   }
+  Clock::time_point first() const { return first_; }
   Clock::time_point due() const { return due_; }
   const Histogram& woke() const { return woke_; }
 
  private:
-  // In whole milliseconds of the clock: at the same instants in every process.
-  Clock::time_point due_ = std::chrono::ceil<std::chrono::milliseconds>(Clock::now());
+  // A whole millisecond of the clock: cycles of all processes are due at the same instants.
+  const Clock::time_point first_ = std::chrono::ceil<std::chrono::milliseconds>(Clock::now());
+  Clock::time_point due_ = first_;
   Histogram woke_;
 };
 
@@ -90,8 +94,9 @@ std::int64_t in_ns(Clock::time_point when) {
   return std::chrono::nanoseconds(when.time_since_epoch()).count();
 }
 
-void print(std::int64_t cycles, std::int64_t missed, const Cycles& waits,
+void print(std::int64_t cycles, std::int64_t missed, const CycleTimer& waits,
            const Histogram& answered) {
+  std::printf("from %ld to %ld\n", in_ns(waits.first()), in_ns(waits.due()));
   std::printf("cycles %ld missed %ld\n", cycles, missed);
   waits.woke().print("woke");
   answered.print("answered");
@@ -101,7 +106,7 @@ void print(std::int64_t cycles, std::int64_t missed, const Cycles& waits,
 class Device final : public stress::LoopServant {
  public:
   void run_closed(std::int64_t count) {
-    Cycles waits;
+    CycleTimer waits;
     Histogram answered;
     std::int64_t missed = 0;
     std::int64_t cycle = 0;
@@ -135,7 +140,7 @@ class Device final : public stress::LoopServant {
 };
 
 void run_bare(std::int64_t count) {
-  Cycles waits;
+  CycleTimer waits;
   std::int64_t missed = 0;
   std::int64_t cycle = 0;
   while (cycle < count) {
@@ -158,12 +163,30 @@ void take_priority() {
   std::printf("priority: %s\n", missing ? missing->c_str() : "real-time");
 }
 
-/// Runs so many cycles for each line of the input.
+/// Takes the real-time priority next below that of the bare loop, which therefore never waits for
+/// the closed loop or its client. Takes none where the system permits none.
+void take_priority_below_the_bare_loop() {
+  take_priority();
+  sched_param priority{};
+  if (::sched_getparam(0, &priority) != 0) {
+    throw std::system_error(errno, std::generic_category(), "sched_getparam");
+  }
+  if (priority.sched_priority == 0) return;
+  --priority.sched_priority;
+  if (::sched_setparam(0, &priority) != 0) {
+    throw std::system_error(errno, std::generic_category(), "sched_setparam");
+  }
+}
+
+/// Calls `run` with the number of cycles in each line of the input.
 template <class Run>
-int obey(Run run) {
+int run_as_told(Run run) {
   std::puts("ready");
   std::fflush(stdout);
-  for (std::int64_t cycles = 0; std::cin >> cycles;) run(cycles);
+  for (std::int64_t cycles = 0; std::cin >> cycles;) {
+    if (cycles <= 0) return fail("how many cycles?");
+    run(cycles);
+  }
   return std::cin.eof() ? 0 : fail("how many cycles?");
 }
 
@@ -173,19 +196,13 @@ int serve() {
   gecos::Server server(lab);
   const auto added = server.add("LOOP", device, {.media = {gecos::media::Kind::Shm}});
   if (!added) return fail(added.error().text);
-  take_priority();
-  return obey([&device](std::int64_t cycles) { device.run_closed(cycles); });
+  take_priority_below_the_bare_loop();
+  return run_as_told([&device](std::int64_t cycles) { device.run_closed(cycles); });
 }
 
-/// With a priority above that of the closed loop where that has one, so that the bare loop misses
-/// no cycle because the closed one, or its client, keeps the core.
-int wait_beside() {
+int run_bare_loop() {
   take_priority();
-  sched_param priority{};
-  if (::sched_getparam(0, &priority) != 0) return fail("sched_getparam: no priority");
-  if (priority.sched_priority > 0) ++priority.sched_priority;
-  if (::sched_setparam(0, &priority) != 0) return fail("sched_setparam: no higher priority");
-  return obey(run_bare);
+  return run_as_told(run_bare);
 }
 
 int answer() {
@@ -199,7 +216,7 @@ int answer() {
   if (!ticks) return fail(ticks.error());
   auto answers = loop->answer(gecos::writer);
   if (!answers) return fail(answers.error());
-  take_priority();
+  take_priority_below_the_bare_loop();
   std::puts("ready");
   std::fflush(stdout);
   for (;;) {
@@ -216,6 +233,6 @@ int main(int count, char** words) {
   const std::string role = count == 2 ? words[1] : "";
   if (role == "device") return serve();
   if (role == "client") return answer();
-  if (role == "bare") return wait_beside();
+  if (role == "bare") return run_bare_loop();
   return fail("give device, client or bare");
 }

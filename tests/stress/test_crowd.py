@@ -14,7 +14,16 @@ from crowd import Costs, Crowd
 def test_a_crowd_of_idle_clients_keeps_the_bounds(
     medium: str, build: Path, env: dict[str, str]
 ) -> None:
-    small = Crowd(medium, objects=20, servers=4, clients=200, client_processes=4, idle_s=2.0)
+    small = Crowd(
+        medium,
+        objects=20,
+        servers=4,
+        clients=200,
+        client_processes=4,
+        idle_s=2.0,
+        rounds=5,
+        gatherings=2,
+    )
     costs = crowd.measure(small, build, env)
     print(f"\n{small}: {costs}")
     assert costs.broken_bounds(quiet=False) == []

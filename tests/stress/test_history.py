@@ -270,7 +270,7 @@ def test_a_freeze_between_mark_and_handler_is_counted_apart(tmp_path: Path) -> N
     ]
 
 
-def test_a_thread_that_was_not_let_run_between_mark_and_handler_is_no_alarm(
+def test_a_thread_that_got_no_processor_between_mark_and_handler_is_no_alarm(
     tmp_path: Path,
 ) -> None:
     """It was, for 1.2 ms, when a line that had been cut was mended as the client gave up."""
@@ -283,7 +283,7 @@ def test_a_thread_that_was_not_let_run_between_mark_and_handler_is_no_alarm(
     assert judged(tmp_path, client, started_late(interrupted), kills="") == []
     (finding,) = judged(tmp_path, client, started_late(interrupted - 10), kills="")
     assert "no freeze fell between its mark and its handler" in finding
-    # Whoever else only wanted to wake was not let run either, for as long.
+    # The watcher of the machine was late by the same 10 ns.
     (tmp_path / "machine.log").write_text(f"{interrupted} late {interrupted + 10}\n")
     assert judged(tmp_path, client, started_late(interrupted - 10), kills="") == []
 

@@ -1,6 +1,8 @@
 """`make test` must say what each runner said last, and must not call a failure a pass."""
 
 import os
+import signal
+import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -89,6 +91,24 @@ def test_the_processor_time_of_a_lane_includes_that_of_its_programs() -> None:
     assert 0.2 <= verdict.processor_seconds < verdict.seconds + 0.2
 
 
+def test_an_interruption_ends_the_lanes_that_run_and_begins_no_other() -> None:
+    program = (
+        "import os, signal, sys, threading\n"
+        "import run_lanes\n"
+        "from run_lanes import Lane\n"
+        "hang = Lane('hang', (sys.executable, '-c', 'import signal; print(1, flush=True); "
+        "signal.pause()'), 'x')\n"
+        "def show(text):\n"
+        "    if text == '1\\n': os.kill(os.getpid(), signal.SIGINT)\n"
+        "run_lanes.shown = show\n"
+        "signal.signal(signal.SIGINT, run_lanes.end_lanes)\n"
+        "run_lanes.run_together([hang, hang, hang], 2)\n"
+    )
+    env = {**os.environ, "PYTHONPATH": str(TESTS.parent / "tools")}
+    ended = subprocess.run([sys.executable, "-c", program], env=env, timeout=30)
+    assert ended.returncode == 128 + signal.SIGINT
+
+
 def test_a_runner_that_is_not_there_fails() -> None:
     verdict = run(Lane("planted", ("/nonexistent/runner",), "x"))
     assert not verdict.passed
@@ -122,6 +142,8 @@ def test_lanes_that_share_the_network_run_together_where_each_may_have_its_own(
     may: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("run_lanes.has_own_networks", lambda: may)
+    low = [lane.name for lane in all_lanes("build", 2) if lane.low_priority]
+    assert low == ["compiler"]
     lanes = [lane for lane in all_lanes("build", 2) if not lane.low_priority]
     steps = in_steps(lanes)
     together = [lane.name for step in steps if len(step) > 1 for lane in step]
@@ -143,6 +165,12 @@ def test_a_lane_of_low_priority_runs_beside_all_others_and_is_shown_last(
     assert [v.closing_line for v in verdicts] == ["2 passed", "3 passed", "1 passed"]
     said = [line for line in capfd.readouterr().out.splitlines() if len(line) == 1]
     assert said == ["B", "C", "A"]
+
+
+def test_a_lane_of_low_priority_has_one() -> None:
+    told = lane("import os; print('nice', os.nice(0))", "^nice")
+    (verdict,) = run_all([replace(told, low_priority=True)], 2)
+    assert verdict.closing_line == "nice 19"
 
 
 def test_a_lane_of_low_priority_alone_is_shown_as_it_comes(

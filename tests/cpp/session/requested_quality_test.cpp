@@ -203,9 +203,9 @@ TEST_F(RequestedQuality, OfAClassThatNoMediumMeetsRefusesTheCreate) {
   EXPECT_EQ(created->session()->capabilities().name, "inproc");
   EXPECT_EQ(why_not({.medium = Kind::Lcm, .quality = hard}),
             "PROBE: QOS_UNAVAILABLE: no medium meets the required quality; " + no_hard_real_time);
-  EXPECT_EQ(why_not({.in = Kind::Lcm, .quality = hard}),
-            "PROBE: QOS_UNAVAILABLE: PROBE (in=lcm): no medium meets the required quality; " +
-                no_hard_real_time);
+  EXPECT_EQ(
+      why_not({.in = Kind::Lcm, .quality = hard}),
+      "PROBE: QOS_UNAVAILABLE: in=lcm: no medium meets the required quality; " + no_hard_real_time);
   EXPECT_EQ(why_not({.medium = Kind::Lcm, .quality = {.line = Class::SoftRealtime}}),
             "it was created");
 }

@@ -169,11 +169,11 @@ TEST_F(MediaOfALabFile, CountForHardRealtimeThatTheProgramRequests) {
 TEST_F(MediaOfALabFile, CountForTheChannelsInAndOut) {
   file_.write(std::string(shm_is_not) + lcm_is_real_time);
   EXPECT_EQ(why_not({.in = Kind::Shm}),
-            "PROBE: QOS_UNAVAILABLE: PROBE (in=shm): no medium meets the required quality; "
+            "PROBE: QOS_UNAVAILABLE: in=shm: no medium meets the required quality; "
             "class=HARD_REALTIME: " +
                 says("shm", 2, "not real-time"));
   EXPECT_EQ(why_not({.out = Kind::Shm}),
-            "PROBE: QOS_UNAVAILABLE: PROBE (out=shm): no medium meets the required quality; "
+            "PROBE: QOS_UNAVAILABLE: out=shm: no medium meets the required quality; "
             "class=HARD_REALTIME: " +
                 says("shm", 2, "not real-time"));
   file_.write(lcm_is_real_time);
