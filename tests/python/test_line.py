@@ -56,7 +56,7 @@ def test_a_medium_that_is_slower_than_the_program_accepts_is_refused(lab: gecos.
     with pytest.raises(gecos.CreateError) as refused:
         lab.create(Lamp, "LAMP", latency=1e-9)
     assert re.search(
-        r"QOS_UNAVAILABLE: no medium meets the required quality; (latency=0.001us: \w+ was "
+        r"QOS_UNAVAILABLE: LAMP no medium meets the required quality; (latency=0.001us: \w+ was "
         r"measured at [0-9.]+[mu]?s(; )?){2,3}",
         str(refused.value),
     ), str(refused.value)
@@ -81,7 +81,7 @@ def test_with_failover_a_proxy_without_a_better_medium_stays_and_says_why(lab: g
     while stays.changes < 2:
         stays = watch.next(30.0)
     assert (stays.degraded, stays.changes, stays.moved_from) == (True, 2, "")
-    assert re.match(rf"^LAMP stays on {stays.medium}: no medium meets", stays.why), stays.why
+    assert re.match(rf"^LAMP stays on {stays.medium}: LAMP no medium meets", stays.why), stays.why
     assert re.search(r"latency=0.001us: \w+ was measured at", stays.why), stays.why
     assert f"{stays.medium}: the connection over this medium became too slow" in stays.why
     assert lamp.label().result() == "a lamp", "the session goes on"

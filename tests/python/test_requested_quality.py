@@ -83,7 +83,7 @@ def test_a_class_that_the_medium_does_not_meet_refuses_the_create(lab: gecos.Lab
     with pytest.raises(gecos.CreateError) as refused:
         lab.create(Lamp, "LAMP", medium="lcm", class_="HARD_REALTIME")
     assert str(refused.value) == (
-        "LAMP: QOS_UNAVAILABLE: no medium meets the required quality; class=HARD_REALTIME: "
+        "LAMP: QOS_UNAVAILABLE: LAMP no medium meets the required quality; class=HARD_REALTIME: "
         "the medium lcm shares a queue with other programs and may lose packets"
     )
     lamp = lab.create(Lamp, "LAMP", medium="shm", class_="HARD_REALTIME")

@@ -106,7 +106,7 @@ TEST_F(Channels, MustMeetTheQualityOfTheInterfaceToo) {
   const auto created = lab_.create<HardProbe>("PROBE", {.in = Kind::Lcm, .patience = 20s});
   ASSERT_FALSE(created);
   EXPECT_EQ(created.error().to_string(),
-            "PROBE: QOS_UNAVAILABLE: in=lcm: no medium meets the required quality; "
+            "PROBE: QOS_UNAVAILABLE: PROBE (in=lcm) no medium meets the required quality; "
             "class=HARD_REALTIME: the medium lcm shares a queue with other programs and may lose "
             "packets");
 }

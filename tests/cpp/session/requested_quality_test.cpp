@@ -201,19 +201,21 @@ TEST_F(RequestedQuality, OfAClassThatNoMediumMeetsRefusesTheCreate) {
   const auto created = create({.quality = hard});
   ASSERT_TRUE(created) << created.error();
   EXPECT_EQ(created->session()->capabilities().name, "inproc");
-  EXPECT_EQ(why_not({.medium = Kind::Lcm, .quality = hard}),
-            "PROBE: QOS_UNAVAILABLE: no medium meets the required quality; " + no_hard_real_time);
   EXPECT_EQ(
-      why_not({.in = Kind::Lcm, .quality = hard}),
-      "PROBE: QOS_UNAVAILABLE: in=lcm: no medium meets the required quality; " + no_hard_real_time);
+      why_not({.medium = Kind::Lcm, .quality = hard}),
+      "PROBE: QOS_UNAVAILABLE: PROBE no medium meets the required quality; " + no_hard_real_time);
+  EXPECT_EQ(why_not({.in = Kind::Lcm, .quality = hard}),
+            "PROBE: QOS_UNAVAILABLE: PROBE (in=lcm) no medium meets the required quality; " +
+                no_hard_real_time);
   EXPECT_EQ(why_not({.medium = Kind::Lcm, .quality = {.line = Class::SoftRealtime}}),
             "it was created");
 }
 
 TEST_F(RequestedQuality, OfAClassAppliesToASimulatedDeviceToo) {
   serve_everywhere(true);
-  EXPECT_EQ(why_not({.medium = Kind::Lcm, .quality = {.line = Class::HardRealtime}}),
-            "PROBE: QOS_UNAVAILABLE: no medium meets the required quality; " + no_hard_real_time);
+  EXPECT_EQ(
+      why_not({.medium = Kind::Lcm, .quality = {.line = Class::HardRealtime}}),
+      "PROBE: QOS_UNAVAILABLE: PROBE no medium meets the required quality; " + no_hard_real_time);
 }
 
 TEST_F(RequestedQuality, ThatIsReliableRefusesTheSamplesOverLcmAlone) {

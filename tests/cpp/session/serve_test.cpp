@@ -21,6 +21,7 @@ bool handled(int signal) {
   return now.sa_handler != SIG_DFL && now.sa_handler != SIG_IGN;
 }
 
+/// Of an object at a well-known address, which no other test may have at the same time.
 ObjectOptions without_broker() {
   ObjectOptions options;
   options.well_known = true;
@@ -133,7 +134,7 @@ TEST(Serve, WhateverIsThrownIsOneLineAndTheStatusOfTheProgram) {
             "robcl-probe: the program threw something that is not a std::exception\n"}}) {
     probe::ProbeServant servant;
     ::testing::internal::CaptureStderr();
-    EXPECT_EQ(serve(lab, {{"PROBE", servant, without_broker()}},
+    EXPECT_EQ(serve(lab, {{"THROWN", servant, without_broker()}},
                     {.program = "robcl-probe", .started = thrower}),
               1);
     EXPECT_EQ(::testing::internal::GetCapturedStderr(), text);

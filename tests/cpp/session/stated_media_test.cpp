@@ -121,7 +121,7 @@ class MediaOfALabFile : public probe::Bench {
 
 TEST_F(MediaOfALabFile, LetHardRealtimeGoOverLcmWhereTheFileCallsItRealTime) {
   EXPECT_EQ(why_not({.medium = Kind::Lcm}),
-            "PROBE: QOS_UNAVAILABLE: no medium meets the required quality; "
+            "PROBE: QOS_UNAVAILABLE: PROBE no medium meets the required quality; "
             "class=HARD_REALTIME: the medium lcm shares a queue with other programs and may lose "
             "packets");
   file_.write(lcm_is_real_time);
@@ -139,7 +139,7 @@ TEST_F(MediaOfALabFile, KeepHardRealtimeFromShmWhereTheFileSaysThatItIsNotRealTi
   ASSERT_TRUE(before) << before.error();
   file_.write(shm_is_not);
   EXPECT_EQ(why_not({.medium = Kind::Shm}),
-            "PROBE: QOS_UNAVAILABLE: no medium meets the required quality; "
+            "PROBE: QOS_UNAVAILABLE: PROBE no medium meets the required quality; "
             "class=HARD_REALTIME: " +
                 says("shm", 2, "not real-time"));
   EXPECT_EQ(why_not<probe::Probe>({.medium = Kind::Shm}), "it was created") << "it demands nothing";
@@ -159,7 +159,7 @@ TEST_F(MediaOfALabFile, CountForHardRealtimeThatTheProgramRequests) {
   EXPECT_EQ(why_not<probe::Probe>(over_lcm), "it was created");
   file_.write(shm_is_not);
   EXPECT_EQ(why_not<probe::Probe>({.quality = {.line = Class::HardRealtime}}),
-            "PROBE: QOS_UNAVAILABLE: no medium meets the required quality; "
+            "PROBE: QOS_UNAVAILABLE: PROBE no medium meets the required quality; "
             "class=HARD_REALTIME: " +
                 says("shm", 2, "not real-time") +
                 "; class=HARD_REALTIME: the medium lcm shares a queue with other programs and may "
@@ -169,11 +169,11 @@ TEST_F(MediaOfALabFile, CountForHardRealtimeThatTheProgramRequests) {
 TEST_F(MediaOfALabFile, CountForTheChannelsInAndOut) {
   file_.write(std::string(shm_is_not) + lcm_is_real_time);
   EXPECT_EQ(why_not({.in = Kind::Shm}),
-            "PROBE: QOS_UNAVAILABLE: in=shm: no medium meets the required quality; "
+            "PROBE: QOS_UNAVAILABLE: PROBE (in=shm) no medium meets the required quality; "
             "class=HARD_REALTIME: " +
                 says("shm", 2, "not real-time"));
   EXPECT_EQ(why_not({.out = Kind::Shm}),
-            "PROBE: QOS_UNAVAILABLE: out=shm: no medium meets the required quality; "
+            "PROBE: QOS_UNAVAILABLE: PROBE (out=shm) no medium meets the required quality; "
             "class=HARD_REALTIME: " +
                 says("shm", 2, "not real-time"));
   file_.write(lcm_is_real_time);
@@ -222,7 +222,7 @@ TEST_F(MediaOfALabFile, AreNoneWhileTheFileHasAnErrorAndThenOnlyHardRealtimeIsRe
       file_.path() +
       ":1: media.lmc: this key is unknown; known keys are inproc, shm, lcm; correct that";
   EXPECT_EQ(why_not({}),
-            "PROBE: QOS_UNAVAILABLE: no medium meets the required quality; " + unusable)
+            "PROBE: QOS_UNAVAILABLE: PROBE no medium meets the required quality; " + unusable)
       << "once for all media";
   EXPECT_NE(explained().find("\n  shm: " + unusable), std::string::npos) << explained();
   EXPECT_EQ(why_not<probe::Probe>({}), "it was created");

@@ -17,11 +17,12 @@ constexpr Duration longest_measurement = std::chrono::seconds(2);
 /// short, because the calls that wait for another server also wait for the end of this search.
 constexpr Duration longest_search = std::chrono::seconds(1);
 
-/// Returns a channel as the program chose it, such as "in=lcm"; empty if it did not choose a medium
-/// for this channel.
-std::string chosen_channel(std::string_view channel, std::optional<media::Kind> medium) {
-  if (!medium) return {};
-  return std::string(channel) + "=" + std::string(media::to_string(*medium));
+/// Returns the name of a channel for messages, such as "RX90 (in=lcm)"; only "RX90" when the
+/// program did not choose a medium for the channel.
+std::string channel_name(const std::string& object, std::string_view channel,
+                         std::optional<media::Kind> named) {
+  if (!named) return object;
+  return object + " (" + std::string(channel) + "=" + std::string(media::to_string(*named)) + ")";
 }
 
 /// Opens the session for one call of `create`, over the best medium that meets the demands of the
@@ -41,8 +42,8 @@ class ObjectConnector {
   void set_options_of_successors(const CreateOptions& options) { later_options_ = &options; }
 
   /// Opens a session over the medium `only`, or over the best medium if `only` has no value.
-  /// `channel`, such as "in=lcm", is named in the text of a failure; empty if the program chose
-  /// none. `without`: a medium that must not be used.
+  /// `channel` names the object and the channel in the text of a failure, for example "RX90
+  /// (in=lcm)". `without`: a medium that must not be used.
   Opened over(std::optional<media::Kind> only, const std::string& channel, TimePoint deadline,
               std::optional<media::Kind> without = {}) const {
     Selection selection(*lab_.runtime(), entry_, demanded(), stated_, only, without);
@@ -66,12 +67,11 @@ class ObjectConnector {
       return tl::unexpected(closed_lab(name_));  // the lab was closed meanwhile
     }
     if (unsuitable) {
-      const std::string which = channel.empty() ? "" : channel + ": ";
-      return tl::unexpected(Attempt{name_, Detail::QosUnavailable, which + selection.why_none()});
+      return tl::unexpected(
+          Attempt{name_, Detail::QosUnavailable, channel + " " + selection.why_none()});
     }
     const std::string& left_out = selection.left_out();
-    const std::string object = channel.empty() ? name_ : name_ + " (" + channel + ")";
-    failed.reason = object + " cannot be reached" + (without ? " over another medium (" : " (") +
+    failed.reason = channel + " cannot be reached" + (without ? " over another medium (" : " (") +
                     failed.reason + (left_out.empty() ? "" : "; " + left_out) + ")";
     return tl::unexpected(std::move(failed));
   }
@@ -146,9 +146,9 @@ Opened open_object(Context& lab, const InterfaceDescription& wanted, const std::
                                   stated_media(lab, wanted, *entry, deadline, options.quality));
   const auto in = options.in ? options.in : options.medium;
   auto session = connector.over(options.out ? options.out : options.medium,
-                                chosen_channel("out", options.out), deadline);
+                                channel_name(name, "out", options.out), deadline);
   if (!session || !in || *in == media::kind_of((*session)->place())) return session;
-  auto inbound = connector.over(in, chosen_channel("in", options.in), deadline);
+  auto inbound = connector.over(in, channel_name(name, "in", options.in), deadline);
   if (!inbound) return inbound;
   (*session)->receive_over(*std::move(inbound));
   return session;
@@ -166,7 +166,7 @@ Opened open_elsewhere(Context& lab, ClientConnection& slow) {
   ObjectConnector connector(lab, target.wanted, *entry, target.name, options,
                             stated_media(lab, target.wanted, *entry, deadline, options.quality));
   connector.set_options_of_successors(target.options);
-  return connector.over({}, {}, deadline, media::kind_of(slow.place()));
+  return connector.over({}, target.name, deadline, media::kind_of(slow.place()));
 }
 
 }  // namespace gecos::session
