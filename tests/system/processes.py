@@ -29,7 +29,7 @@ OTHER_USERS_MISSING = (
 
 def until(happened: Callable[[], bool], what: str, patience: float = PATIENCE_S) -> float:
     """Asks every millisecond until `happened()` is true. Returns how long that took, in s. Without
-    the pause the lane `stress` took 180 s of processor time instead of 112."""
+    the pause, the test would take processor time from the programs that it waits for."""
     began = time.monotonic()
     while not happened():
         assert time.monotonic() - began < patience, f"not within {patience} s: {what}"

@@ -93,7 +93,7 @@ def test_the_processor_time_of_a_lane_includes_that_of_its_programs() -> None:
 
 def test_an_interruption_ends_the_lanes_that_run_and_begins_no_other() -> None:
     program = (
-        "import os, signal, sys, threading\n"
+        "import os, signal, sys\n"
         "import run_lanes\n"
         "from run_lanes import Lane\n"
         "hang = Lane('hang', (sys.executable, '-c', 'import signal; print(1, flush=True); "
