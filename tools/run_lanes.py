@@ -273,7 +273,7 @@ def in_steps(lanes: Sequence[Lane]) -> list[list[Lane]]:
 
 def at_a_time(cores: int) -> int:
     """Returns how many lanes of a step run at a time: most of them wait most of the time."""
-    return cores + 2 if cores > 1 else 1
+    return cores + 1 if cores > 1 else 1
 
 
 def run_all(lanes: Sequence[Lane], cores: int) -> list[Verdict]:

@@ -4,6 +4,7 @@ import sys
 import sysconfig
 import tempfile
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,10 +15,9 @@ from terminals import Terminal
 
 sys.path += [str(TREE / "tests" / "stress"), str(TREE / "tests" / "system")]
 
+from course import STAND_INS, Course
 from hosts import Hosts
 from without_tree import without_tree
-
-STAND_INS = Path(__file__).parent / "stand_ins"
 
 
 @pytest.fixture(scope="session")
@@ -111,9 +111,6 @@ def reader(machines: dict[str, Machine], hosts: Hosts, place: Path) -> Iterator[
 
 
 @pytest.fixture(scope="module")
-def student() -> Iterator[Reader]:
-    """Follows several pages in one laboratory, which runs on from page to page."""
-    with Hosts() as hosts, tempfile.TemporaryDirectory(prefix="pages-") as folder:
-        env = variables(Path(folder) / "home", STAND_INS)
-        with Reader(lambda _: Terminal(env, TREE, hosts.on(0))) as reader:
-            yield reader
+def course() -> Iterator[Course]:
+    with closing(Course()) as course:
+        yield course

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
+from course import LESSONS, Course
 from hosts import Hosts
-from pages import TREE, Reader, blocks_of
+from pages import Reader, blocks_of
 from terminals import Terminal
 
 
@@ -37,11 +39,9 @@ def test_sanitizers(reader: Reader) -> None:
 
 
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize(
-    "lesson", [path.name for path in sorted((TREE / "docs/tutorial").glob("[1-9]-*.md"))]
-)
-def test_a_lesson(lesson: str, student: Reader) -> None:
-    student.follow(f"docs/tutorial/{lesson}")
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda page: Path(page).name)
+def test_a_lesson(lesson: str, course: Course) -> None:
+    course.follow(lesson)
 
 
 @pytest.mark.timeout(300)

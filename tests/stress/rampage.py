@@ -472,7 +472,8 @@ def run(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> histo
         lab.cut()
     told = history.read(records)
     findings = history.check(told)
-    assert not findings, "\n".join([f"{plan}: {told.summary()}", *findings[:20]])
+    # The first line stands in the summary of pytest.
+    assert not findings, "\n".join([*findings[:20], f"{plan}: {told.summary()}"])
     kinds = Counter(call.state() for client in told.clients for call in client.calls.values())
     assert plan.waiters or kinds["FINISHED"] > 0, f"nothing was carried out: {told.summary()}"
     return told

@@ -66,6 +66,14 @@ def test_rejected_is_a_command_that_was_sent_before_presence_was_lost(tmp_path: 
     ]
 
 
+def test_a_zone_that_stood_still_for_less_than_a_report_lives_loses_no_presence(
+    tmp_path: Path,
+) -> None:
+    zones = {"zone.1": "0 zone 12\n5 comes\n9000 done\n"}
+    waited = RIGHT.replace(begins(2, 2100), begins(2, 3900))
+    assert judged(tmp_path, waited, zones, "1940 freeze 12 2500000000\n") == []
+
+
 @pytest.mark.parametrize("kills", ["500 kill 12\n", "500 freeze 12 3000000000\n"])
 def test_rejected_is_a_command_that_begins_long_after_the_zone_fell_silent(
     kills: str, tmp_path: Path
