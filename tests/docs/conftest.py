@@ -111,6 +111,8 @@ def reader(machines: dict[str, Machine], hosts: Hosts, place: Path) -> Iterator[
 
 
 @pytest.fixture(scope="module")
-def course() -> Iterator[Course]:
-    with closing(Course()) as course:
+def course(pytestconfig: pytest.Config) -> Iterator[Course]:
+    terminal = pytestconfig.pluginmanager.get_plugin("terminalreporter")
+    assert terminal is not None
+    with closing(Course(terminal.write_line)) as course:
         yield course

@@ -38,7 +38,7 @@ def test_sanitizers(reader: Reader) -> None:
     reader.follow("docs/sanitizers.md")
 
 
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("lesson", LESSONS, ids=lambda page: Path(page).name)
 def test_a_lesson(lesson: str, course: Course) -> None:
     course.follow(lesson)

@@ -27,8 +27,8 @@ Of a server:
 
 Of the test itself: `kill <pid>`, once the process is gone; `cut <end>`, the begin and end of a cut
 of the network between all clients and all servers; `freeze <pid> <end>`, once the process was
-suspended, and when it was resumed. Of a watcher of the machine: `late <woken>`, when it should have
-woken, and when it did. A command is named by the number of its client (upper half) and its own
+suspended, and when it was resumed. Of the watchers of the cores: `late <woken>`, when one should
+have woken, and when it did. A command is named by the number of its client (upper half) and its own
 (lower half); both rise.
 """
 
@@ -151,14 +151,14 @@ class History:
     cuts: list[tuple[int, int]] = field(default_factory=list)
     freezes: list[Freeze] = field(default_factory=list)
     late: list[tuple[int, int]] = field(default_factory=list)
-    """From when until when somebody who only wanted to wake was not let run."""
+    """From when until when a watcher of a core, which only wanted to wake, was not let run."""
 
     def late_s(self, begin: int, end: int) -> float:
-        """Seconds between `begin` and `end` in which the machine did not run its watcher."""
+        """Seconds between `begin` and `end` in which one of the cores did not run its watcher."""
         return sum(max(0, min(end, woken) - max(begin, due)) for due, woken in self.late) * 1e-9
 
     def awake_s(self, pid: int, begin: int, end: int) -> float:
-        """Seconds between two times in which the process ran, as far as the machine let it."""
+        """Seconds between two times in which the process was not suspended and no core late."""
         frozen = sum(
             max(0, min(end, freeze.end) - max(begin, freeze.begin))
             for freeze in self.freezes
@@ -176,7 +176,8 @@ class History:
             longest = max(freeze.end - freeze.begin for freeze in self.freezes) * 1e-9
             done += f", {len(self.freezes)} freezes of up to {longest:.1f} s"
         worst = max((woken - due for due, woken in self.late), default=0) * 1e-9
-        late = f", machine up to {worst:.2f} s late" if worst else ""
+        in_all = sum(woken - due for due, woken in self.late) * 1e-9
+        late = f", machine up to {worst:.2f} s late, {in_all:.2f} s in all" if worst else ""
         between = sum(1 for _ in self.frozen_before_they_began())
         apart = f", {between} frozen between mark and handler" if between else ""
         status = statuses.figures(self).text()

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from types import TracebackType
+from typing import Self
 
 STEP_S = 0.01
 WORTH_NOTING_S = 0.03
@@ -20,21 +21,23 @@ def now_ns() -> int:
 
 
 class Watch(AbstractContextManager["Watch"]):
-    """A thread on each core that wakes every 10 ms. `late` has the time at which one was due and
-    that at which it woke, in ns, each time it woke more than 30 ms late. On each core, because a
-    virtual machine may be given one of its cores and not the other."""
+    """A thread on each core that wakes every 10 ms. A virtual machine may be given one core and not
+    another: no thread that may run on any core notices that."""
 
     def __init__(self) -> None:
         self.late: list[tuple[int, int]] = []
+        """When each wake-up that was more than 30 ms late was due, and when it came, in ns."""
         self._end = threading.Event()
-        self._threads = [
-            threading.Thread(target=self._watch, args=(core,), name=f"lateness {core}", daemon=True)
+        self._threads = {
+            core: threading.Thread(target=self._watch, name=f"lateness {core}", daemon=True)
             for core in sorted(os.sched_getaffinity(0))
-        ]
+        }
 
-    def __enter__(self) -> Watch:
-        for thread in self._threads:
+    def __enter__(self) -> Self:
+        for core, thread in self._threads.items():
             thread.start()
+            assert thread.native_id is not None
+            os.sched_setaffinity(thread.native_id, {core})
         return self
 
     def __exit__(
@@ -44,15 +47,18 @@ class Watch(AbstractContextManager["Watch"]):
         trace: TracebackType | None,
     ) -> None:
         self._end.set()
-        for thread in self._threads:
+        for thread in self._threads.values():
             thread.join()
 
-    def longest_s(self, since: int) -> float:
-        """Returns by how much a thread that woke after `since` was late at most, in s."""
-        return max((woken - due for due, woken in self.late if woken > since), default=0) * 1e-9
+    def cores(self) -> list[set[int]]:
+        """Where each of the threads runs."""
+        return [os.sched_getaffinity(thread.native_id or 0) for thread in self._threads.values()]
 
-    def _watch(self, core: int) -> None:
-        os.sched_setaffinity(0, {core})  # of this thread
+    def longest_s(self) -> float:
+        """The largest lateness so far, in s."""
+        return max((woken - due for due, woken in self.late), default=0) * 1e-9
+
+    def _watch(self) -> None:
         due = now_ns()
         while not self._end.wait(STEP_S):
             due, woken = due + round(STEP_S * 1e9), now_ns()
@@ -62,8 +68,8 @@ class Watch(AbstractContextManager["Watch"]):
 
 
 class Lateness(Watch):
-    """Writes a line "<due> late <woken>" to `file` at the end, for each time in which a core did
-    not run its thread. Such times of two cores that meet are one."""
+    """At the end, writes a line "<due> late <woken>" to `file` for each time in which a core did
+    not run its thread. If such times of two cores overlap, they are one."""
 
     def __init__(self, file: Path) -> None:
         super().__init__()

@@ -31,6 +31,9 @@ sys.path.append(str(HERE.parent / "system"))  # processes.py
 from processes import Program, await_ends, until  # noqa: E402
 
 SHORTEST_FREEZE_S = 0.05
+MOST_LATE = 0.5
+"""Part of a run. Time in which the machine was late counts towards no bound: of a machine that is
+late for longer, too little is judged."""
 ROLES_FROZEN = {"server": 4, "client": 2, "server client": 3, "broker": 1}
 
 
@@ -466,11 +469,14 @@ def rampage(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> I
 
 def run(plan: Plan, build: Path, records: Path, env: Mapping[str, str]) -> history.History:
     """Carries out the plan; returns the history after checking it."""
+    began = now_ns()
     with Lateness(records / "machine.log"), rampage(plan, build, records, env) as lab:
         lab.kill()
         lab.freeze()
         lab.cut()
-    told = history.read(records)
+    told, ended = history.read(records), now_ns()
+    late = told.late_s(began, ended) / ((ended - began) * 1e-9)
+    assert late < MOST_LATE, f"not judged: a core did not run for {late:.0%} of the time; {plan}"
     findings = history.check(told)
     # The first line stands in the summary of pytest.
     assert not findings, "\n".join([*findings[:20], f"{plan}: {told.summary()}"])

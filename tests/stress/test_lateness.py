@@ -1,7 +1,8 @@
-"""A machine that did not run one of its cores was late, also while the others ran."""
+"""The watch over how late the machine is."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import lateness
@@ -12,16 +13,20 @@ from processes import until
 MS = 1_000_000
 
 
-def test_times_of_two_cores_that_meet_are_one() -> None:
+def test_times_of_two_cores_that_overlap_are_one() -> None:
     assert joined([(10, 20), (40, 50), (15, 30), (30, 31), (42, 44)]) == [(10, 31), (40, 50)]
 
 
-def test_the_longest_of_those_that_ended_after_a_time_counts() -> None:
+def test_the_longest_lateness_counts() -> None:
     watch = Watch()
-    watch.late = [(0, 900 * MS), (1000 * MS, 1200 * MS), (1100 * MS, 1150 * MS)]
-    assert watch.longest_s(since=0) == pytest.approx(0.9)
-    assert watch.longest_s(since=900 * MS) == pytest.approx(0.2)
-    assert watch.longest_s(since=1200 * MS) == 0
+    assert watch.longest_s() == 0
+    watch.late = [(0, 900 * MS), (1000 * MS, 1200 * MS)]
+    assert watch.longest_s() == pytest.approx(0.9)
+
+
+def test_each_core_has_a_thread_of_its_own() -> None:
+    with Watch() as watch:
+        assert watch.cores() == [{core} for core in sorted(os.sched_getaffinity(0))]
 
 
 def test_a_watch_notes_a_wake_up_that_is_late(

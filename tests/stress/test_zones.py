@@ -66,12 +66,17 @@ def test_rejected_is_a_command_that_was_sent_before_presence_was_lost(tmp_path: 
     ]
 
 
-def test_a_zone_that_stood_still_for_less_than_a_report_lives_loses_no_presence(
+def test_presence_is_lost_with_a_report_that_grows_too_old_while_the_zone_stands_still(
     tmp_path: Path,
 ) -> None:
     zones = {"zone.1": "0 zone 12\n5 comes\n9000 done\n"}
-    waited = RIGHT.replace(begins(2, 2100), begins(2, 3900))
-    assert judged(tmp_path, waited, zones, "1940 freeze 12 2500000000\n") == []
+    waited = RIGHT.replace(begins(2, 2100), begins(2, 5500))
+    shorter = "1960 freeze 12 2900000000\n"
+    assert judged(tmp_path, waited, zones, shorter) == []
+    with_the_server = "1960 freeze 12 3700000000\n1960 freeze 4711 3700000000\n"
+    assert judged(tmp_path, waited, zones, with_the_server) == [
+        f"server.0.log: command {HERS + 2} began, and was sent before the zone stood still"
+    ]
 
 
 @pytest.mark.parametrize("kills", ["500 kill 12\n", "500 freeze 12 3000000000\n"])

@@ -49,8 +49,6 @@ class Absence(NamedTuple):
     heard_s: float
     """Within this time after `begin` the server must have learned of it."""
     why: str
-    ends_a_spell: bool = True
-    """The next report has another spell: it tells the server of an absence that has passed."""
 
 
 def read_zone(name: str, lines: Iterable[list[str]]) -> Zone:
@@ -78,8 +76,8 @@ def absences(history: History) -> Iterator[Absence]:
             yield Absence(killed, later.changes[0][0], REPORT_LIVES_S, "the zone had ended")
         frozen = [freeze for freeze in history.freezes if freeze.pid == zone.pid]
         for freeze in frozen:
-            why = "the zone stood still"
-            yield Absence(freeze.begin, freeze.end, REPORT_LIVES_S, why, ends_a_spell=False)
+            if (freeze.end - freeze.begin) * 1e-9 > REPORT_LIVES_S:  # else no report grew too old
+                yield Absence(freeze.begin, freeze.end, REPORT_LIVES_S, "the zone stood still")
         for (begin, present), (end, _) in zip(zone.changes, zone.changes[1:], strict=False):
             if present:
                 continue
@@ -104,10 +102,9 @@ def check(history: History) -> Iterator[str]:
                 if at <= absence.begin:
                     continue
                 until = min(at, absence.end)
-                learns = at if absence.ends_a_spell else until
                 silent = _is_silent(history, server.pid, absence.begin, absence.end)
                 heard_s = REPORT_LIVES_S if silent else absence.heard_s
-                knew = history.awake_s(server.pid, absence.begin, learns) > heard_s + BOUND_S
+                knew = history.awake_s(server.pid, absence.begin, at) > heard_s + BOUND_S
                 if at + TICK_NS < absence.end and knew:
                     yield (
                         f"{server.name}: {what} began"
