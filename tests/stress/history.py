@@ -417,7 +417,11 @@ def losses(
             default=None,
         )
         if killed is not None and call.detail() in LOST:
-            yield killed, "last server was killed"
+            lived = last_life_of_a_frozen_server(history, call)
+            if lived > killed:
+                yield lived, "last server stood still"
+            else:
+                yield killed, "last server was killed"
     else:
         killed = history.kills.get(client.servers.get(call.session, 0))
         if killed is not None:
@@ -426,6 +430,15 @@ def losses(
         lasts = (end - begin) * 1e-9 > bound_s
         if lasts and call.issued < end and (call.ended is None or call.ended > begin):
             yield begin, "line was cut"
+
+
+def last_life_of_a_frozen_server(history: History, call: Call) -> int:
+    """When a server that was suspended while the call was open, and not killed, ran for the last
+    time before the call ended: the call may have been sent to it. 0 if there is none."""
+    ended = call.ended or 0
+    alive = [each.pid for each in history.servers if history.kills.get(each.pid, ended) >= ended]
+    times = (time for each in history.freezes if each.pid in alive for time in each[1:])
+    return max((time for time in times if call.issued < time <= ended), default=0)
 
 
 def nothing_invented(history: History, calls: dict[int, Call]) -> Iterator[str]:

@@ -234,6 +234,21 @@ def test_rejected_is_an_idempotent_command_that_nobody_answers_for_too_long(tmp_
     assert judged(tmp_path, client, LOOKS, second, kills=second_kill) == [], "it had gone there"
 
 
+def test_an_idempotent_command_may_wait_for_another_server_that_stood_still(tmp_path: Path) -> None:
+    client = LOOKED.replace(f"10 end {TWO}", f"{3 * SECOND} end {TWO}").replace(
+        "12 done", f"{4 * SECOND} done"
+    )
+    second = "8 serve 4712\n"
+    for begin, end in ((2 * SECOND, 4 * SECOND), (9, 2 * SECOND)):
+        freeze = f"{begin} freeze 4712 {end}\n"
+        assert judged(tmp_path, client, LOOKS, second, kills=KILLS + freeze) == []
+    longer = f"{SECOND} freeze 4712 {4 * SECOND}\n"
+    assert judged(tmp_path, client, LOOKS, second, kills=KILLS + longer) == [
+        f"command {TWO} of client.1.log ended as SERVER_CRASHED 2.000 s after its last server"
+        " stood still; promised are 1.5 s"
+    ]
+
+
 def test_a_line_that_nobody_writes_is_no_history(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"client\.1\.log: no line of a client: sleep"):
         judged(tmp_path, CLIENT.replace("1 open 1 4711", "1 sleep 1"))
