@@ -29,7 +29,7 @@ int main() {
   const auto drive = cart->drive();
   speed->feeds(drive);  // its samples have no effect on another command
   for (int step = 0; step < 50; ++step) {
-    const auto sent = speed->send(0.01 * step);  // m/s; fails after a stop or the loss of the lease
+    const auto sent = speed->send(0.01 * step);  // m/s; has no effect after a stop
     if (!sent) return fail(sent.error().text);
     drive.wait_for(20ms);
   }

@@ -17,7 +17,7 @@ def main() -> None:
         drive = cart.drive()
         speed.feeds(drive)  # its samples have no effect on another command
         for step in range(50):
-            speed.send(0.01 * step)  # m/s; a stop, or the loss of the lease, makes it raise
+            speed.send(0.01 * step)  # m/s; has no effect after a stop
             drive.wait(0.02)
         # Nothing more is sent, as if this program hung: the cart stands by itself.
         print(f"driven to {drive.result():.2f} m")

@@ -21,7 +21,13 @@ NAME_HOLD = 4.0
 """The broker's setting here, in s; by default 10."""
 RUNS_FOR_S = 3.0
 """The other broker is then too old to have started in the place of a broker that stands still."""
+YOUNG_S = 1.5
+"""A restarted broker gives names to servers that have served them for longer, for 1 s."""
 GECOS = [sys.executable, "-m", "gecos.cli"]
+
+
+def broker_of(build: Path) -> tuple[str | Path, ...]:
+    return build / "runtime/cpp/gecos/broker/gecos-broker", f"--name-hold={NAME_HOLD}"
 
 
 @dataclass
@@ -47,6 +53,10 @@ class TwoHosts:
         program.finish()
         return program
 
+    def restart_broker(self) -> None:
+        self.broker = self.start(0, *broker_of(self.labs[0].build))
+        self.broker.wait_for("ready")
+
     def told(self, presence: str) -> None:
         """The next that each watcher says is this."""
         for watcher in self.watchers:
@@ -64,8 +74,7 @@ def two(build: Path, env: dict[str, str]) -> Iterator[TwoHosts]:
             labs.append(Laboratory(folder, build))
             labs[-1].env |= env | {"GECOS_LCM_TTL": "1", "GECOS_BROKER": "lcm"}
         try:
-            command = build / "runtime/cpp/gecos/broker/gecos-broker"
-            broker = labs[0].start(*hosts.on(0), command, f"--name-hold={NAME_HOLD}", ready="ready")
+            broker = labs[0].start(*hosts.on(0), *broker_of(build), ready="ready")
             two = TwoHosts(hosts, labs, broker, [])
             two.watchers = [two.start(host, *GECOS, "ls", "--watch", "--json") for host in range(2)]
             yield two
@@ -113,6 +122,32 @@ def test_the_name_of_a_frozen_server_of_another_host_is_set_free_by_hand(two: Tw
     two.told("ONLINE")
     frozen.signal(signal.SIGCONT)
     assert f"pid {other.pid}" in frozen.wait_for("is stopped and takes no actor commands")
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_a_restarted_broker_does_not_give_the_name_back_to_the_server_that_has_lost_it(
+    two: TwoHosts, told: bool
+) -> None:
+    frozen = two.serve(1)
+    two.told("ONLINE")
+    frozen.signal(signal.SIGSTOP)
+    two.told("SILENT")
+    two.gecos(1, "free", "RAIL")
+    other = two.serve(0)
+    if told:
+        frozen.signal(signal.SIGCONT)
+        frozen.wait_for("is stopped and takes no actor commands")
+    two.broker.kill()
+    if not told:
+        frozen.signal(signal.SIGCONT)
+    two.restart_broker()
+    began = time.monotonic()
+    until(lambda: time.monotonic() - began > YOUNG_S, "the broker gives no name away any more")
+    (found,) = json.loads(two.gecos(0, "ls", "--json").output())
+    assert found["pid"] == other.pid
+    assert "is stopped" not in str(other)
+    if not told:
+        frozen.wait_for("is stopped and takes no actor commands")
 
 
 def test_a_server_that_was_cut_off_for_less_than_name_hold_has_its_name(two: TwoHosts) -> None:

@@ -178,6 +178,15 @@ TEST_F(Named, AnObjectThatHasItsNameAgainMovesAgain) {
   EXPECT_EQ(gecos::describe(probe).get()->registration, "confirmed");
 }
 
+TEST_F(Named, AnObjectThatHasLostItsNameSaysThatItIsServedSinceThen) {
+  constexpr double before = 0.3;  // s
+  serve(Answer::Provisional);
+  ASSERT_TRUE(settles([this] { return broker_.served_for() >= before; }));
+  broker_.say(Answer::Taken);
+  EXPECT_TRUE(settles([this] { return broker_.served_for() < before; }))
+      << "a broker that starts later would take the name from the other server";
+}
+
 TEST_F(Named, ARegistrationThatIsAnsweredTooLateIsTakenBack) {
   serve_broker(Answer::Settled);
   broker_.keep_waiting();

@@ -267,9 +267,20 @@ bool Registrar::renew(Registration& registration) const {
   return true;
 }
 
-void Registrar::ask_again() {
+void Registrar::after_pause(Duration stood_still) {
+  const auto& runtime = lab_->runtime();
   const MutexLock lock(mutex_);
+  if (stood_still > runtime->registration_ttl()) {
+    for (auto& one : registrations_) one.since = runtime->clock().since_boot();
+  }
   if (!registrations_.empty()) want(Work::Ask);
+}
+
+void Registrar::note_loss(const std::string& name) {
+  const MutexLock lock(mutex_);
+  for (auto& one : registrations_) {
+    if (one.entry.name == name) one.since = lab_->runtime()->clock().since_boot();
+  }
 }
 
 void Registrar::want(Work work) {
@@ -352,6 +363,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
       object.name_confirmation().provisional();
     } else if (enlisted.error().taken) {
       object.name_confirmation().taken(enlisted.error().by);
+      note_loss(object.name());
     } else {
       object.name_confirmation().unanswered(questions[i], enlisted.error().text);
       unreported += (unreported.empty() ? "" : "; ") + object.name() +

@@ -43,9 +43,10 @@ class Registrar {
   /// Must be called when the list of the program or the lab file has changed. If an object now
   /// admits other users than before, the broker is told soon.
   void renew_lists();
-  /// Makes the thread of the registrar ask the broker again whether it confirms the names of all
-  /// objects.
-  void ask_again();
+  /// Called after a pause of this process. Makes the thread of the registrar ask the broker again
+  /// whether it confirms the names of all objects. If the pause was longer than a registration
+  /// lives, other servers may have got the names: the objects count as served from now on.
+  void after_pause(Duration stood_still);
   /// Unregisters all objects.
   void end();
 
@@ -53,7 +54,9 @@ class Registrar {
   struct Registration {
     Entry entry;
     std::shared_ptr<ObjectHost> object;
-    TimePoint since{};         ///< when the object was first registered, by CLOCK_BOOTTIME
+    /// Since when the object is served under its name, by CLOCK_BOOTTIME: since its first
+    /// registration, unless the name was taken later, or may have been.
+    TimePoint since{};
     AdmittedNames admitted{};  ///< sent to the broker with each registration
   };
   using Broker = std::shared_ptr<ClientConnection>;
@@ -85,6 +88,9 @@ class Registrar {
   tl::expected<Broker, NoBroker> find_broker(TimePoint deadline);
   void want(Work work) GECOS_REQUIRES(mutex_);
   Duration served_for(const Registration& registration) const;
+  /// Notes that another server has got the name. If a broker starts later that knows neither, this
+  /// object must not take the name back because it was served earlier.
+  void note_loss(const std::string& name);
   tl::expected<Duration, std::string> register_first(Registration& registration,
                                                      TimePoint deadline);
   void take_back(ClientConnection& broker, const std::string& name);

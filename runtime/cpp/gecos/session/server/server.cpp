@@ -187,7 +187,7 @@ void Server::Core::Upkeep::after_pause(Duration stood_still) {
   core->io_.await_signs_of_life();
   const MutexLock objects(core->mutex_);
   for (const auto& object : core->objects_) object->after_pause(stood_still);
-  core->registrar_.ask_again();
+  core->registrar_.after_pause(stood_still);
 }
 
 void Server::Core::follow_lab_file(TimePoint now) {
