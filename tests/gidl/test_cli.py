@@ -219,6 +219,8 @@ class TestGen:
         capsys.readouterr()
         assert main(["gen", "--lang", "model", "--check"]) == 100
         said = capsys.readouterr().out
+        named = "generated/model/good.json"
+        assert f"--- {named}\n+++ {named}\t(as generated)\n" in said, "`patch` takes it"
         assert '-     "name": "stare",' in said
         assert '+     "name": "look",' in said
         assert "gidl: 1 file in generated/ not up to date;" in said

@@ -203,19 +203,16 @@ def _mode(file: Path) -> int:
 
 def diff_text(outputs: Outputs, files: Mapping[str, str], difference: Difference) -> str:
     """Returns the unified diff from the files on disk to the generated texts."""
-    pairs = [
-        (outputs.place(path), f"{path} (as generated)", files[path])
-        for path in (*difference.changed, *difference.missing)
-    ]
-    pairs += [(place, "/dev/null", "") for place in difference.stale]
+    changed = (*difference.changed, *difference.missing)
+    wanted = {outputs.place(path): files[path] for path in changed}
     parts: list[str] = []
-    for place, after, text in sorted(pairs):
-        old = read_output(place)
+    for place in sorted([*wanted, *difference.stale]):
+        old, name = read_output(place), place.as_posix()
         lines = difflib.unified_diff(
             (old or "").splitlines(keepends=True),
-            text.splitlines(keepends=True),
-            "/dev/null" if old is None else place.as_posix(),
-            after,
+            wanted.get(place, "").splitlines(keepends=True),
+            "/dev/null" if old is None else name,
+            f"{name}\t(as generated)" if place in wanted else "/dev/null",
         )
         parts.extend(line if line.endswith("\n") else line + "\n" for line in lines)
     return "".join(parts)
