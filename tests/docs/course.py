@@ -19,7 +19,7 @@ LESSONS = [
 ATTEMPTS = 3
 STOOD_STILL_S = 0.2
 """A simulated arm ends its motion when its program has stood still for 0.5 s, and the programs of
-the lessons stop it when their newest sample is older than 0.2 s. No page says that they do."""
+the lessons stop it when their newest sample is older than 0.2 s. No page expects that."""
 
 
 def laboratory(until_its_end: ExitStack) -> Reader:

@@ -6,9 +6,7 @@ import os
 import threading
 import time
 from collections.abc import Iterable
-from contextlib import AbstractContextManager
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 STEP_S = 0.01
@@ -20,7 +18,7 @@ def now_ns() -> int:
     return time.clock_gettime_ns(time.CLOCK_BOOTTIME)
 
 
-class Watch(AbstractContextManager["Watch"]):
+class Watch:
     """A thread on each core that wakes every 10 ms. A virtual machine may be given one core and not
     another: no thread that may run on any core notices that."""
 
@@ -40,12 +38,7 @@ class Watch(AbstractContextManager["Watch"]):
             os.sched_setaffinity(thread.native_id, {core})
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._end.set()
         for thread in self._threads.values():
             thread.join()
@@ -75,13 +68,8 @@ class Lateness(Watch):
         super().__init__()
         self._file = file
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        super().__exit__(kind, error, trace)
+    def __exit__(self, *error: object) -> None:
+        super().__exit__(*error)
         with self._file.open("a") as notes:
             notes.writelines(f"{due} late {woken}\n" for due, woken in joined(self.late))
 
