@@ -45,6 +45,24 @@ def test_a_stream_has_the_lifespan_that_the_program_requests(
     assert stream.latest() is None
 
 
+@pytest.mark.usefixtures("server")
+def test_nan_is_no_time_to_wait(lab: gecos.Lab) -> None:
+    nan = float("nan")
+    lamp = lab.create(Lamp, "LAMP", medium="shm")
+    waits: list[Callable[[], object]] = [
+        lambda: lab.create(Lamp, "LAMP", wait=nan),
+        lambda: lab.create(Lamp, "LAMP", patience=nan),
+        lambda: gecos.actor(lamp, timeout=nan),
+        lambda: lamp.label().wait(nan),
+        lambda: lamp.label().result(nan),
+        lambda: lamp.level.stream().next(nan),
+        lambda: lab.objects(patience=nan),
+    ]
+    for wait in waits:
+        with pytest.raises(ValueError, match="nan is no time to wait; give a number of seconds"):
+            wait()
+
+
 class BriefLamp(Lamp):
     _gecos_interface = replace(
         LAMP,

@@ -16,11 +16,16 @@ struct Broker_enlist_arguments {
   ::gecos::Entry what{};
   double served_for = 0.0;  ///< [s]
   std::optional<::gecos::AdmittedNames> admitted{};  ///< [optional]
+  std::optional<double> confirmed_ago{};  ///< [s, optional]
 
   static bool gecos_members(auto& each, auto& self) {
     return each("enlist.what", self.what, gecos::layout::Block{}) && each.may_end() &&
            each("enlist.served_for", self.served_for) &&
-           each("enlist.admitted", self.admitted, gecos::layout::Optional<gecos::layout::Block>{});
+           each(
+               "enlist.admitted",
+               self.admitted,
+               gecos::layout::Optional<gecos::layout::Block>{}) &&
+           each("enlist.confirmed_ago", self.confirmed_ago);
   }
 };
 

@@ -14,17 +14,19 @@ Broker::Broker(std::shared_ptr<gecos::session::ClientSession> session)
 gecos::Command<std::optional<double>> Broker::enlist(
     const ::gecos::Entry& what,
     double served_for,
-    const std::optional<::gecos::AdmittedNames>& admitted) const {
+    const std::optional<::gecos::AdmittedNames>& admitted,
+    const std::optional<double>& confirmed_ago) const {
   if (auto why = ::gecos::gecos_violation(what); !why.empty()) return gecos::session::Refused(why);
   if (admitted) {
     if (auto why = ::gecos::gecos_violation(*admitted); !why.empty()) return gecos::session::Refused(
         why);
   }
-  std::size_t size = 13 + what.encoded_size();
+  std::size_t size = 14 + what.encoded_size();
   if (admitted) {
     size += 4;
     size += admitted->encoded_size();
   }
+  if (confirmed_ago) size += 8;
   return gecos_call<std::optional<double>>(
       BrokerInterface::enlist, size,
       [&](auto& to) {
@@ -35,6 +37,8 @@ gecos::Command<std::optional<double>> Broker::enlist(
           to.put_count(admitted->encoded_size());
           admitted->encode(to);
         }
+        to.put(confirmed_ago.has_value());
+        if (confirmed_ago) to.put(*confirmed_ago);
       },
       [](auto& from, auto& value) {
         return gecos::wire::get_optional(from, value, "enlist", [&](auto& _value) {

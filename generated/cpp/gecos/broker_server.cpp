@@ -18,19 +18,26 @@ bool BrokerServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
       ::gecos::Entry what{};
       double served_for = 0.0;
       std::optional<::gecos::AdmittedNames> admitted{};
+      std::optional<double> confirmed_ago{};
       const bool read = gecos::wire::get_block(from, what, "enlist.what") &&
           (from.at_end() ||
            from.get(served_for, "enlist.served_for")) &&
           (from.at_end() ||
            gecos::wire::get_optional(from, admitted, "enlist.admitted", [&](auto& value) {
              return gecos::wire::get_block(from, value, "enlist.admitted");
-           }));
+           })) &&
+          (from.at_end() ||
+           gecos::wire::get_optional(from, confirmed_ago, "enlist.confirmed_ago",
+               [&](auto& _value) {
+                 return from.get(_value, "enlist.confirmed_ago");
+               }));
       if (!read) return call.refuse(from.error());
       return call.answer(
           "gecos::Broker::enlist", this->enlist(
               what,
               served_for,
-              admitted), {"gecos::NameTaken"}, [&](const auto& value) {
+              admitted,
+              confirmed_ago), {"gecos::NameTaken"}, [&](const auto& value) {
             std::size_t size = 1;
             if (value) size += 8;
             call.finish(size, [&](auto& to) {

@@ -29,8 +29,14 @@ class BrokerServant : public virtual gecos::Servant {
   /// of their own.
   /// A broker that has just started may hear of an object that was served before it: within
   /// `settles_in` the
-  /// name may go to an object that has been served for longer, so ask again. Absent: the
-  /// name is the server's.
+  /// name may go to an object that has a better claim, so ask again. Absent: the name is
+  /// the server's.
+  /// `confirmed_ago` says how long ago a broker last had the name for this server. Absent:
+  /// none had, or another server
+  /// may have got the name since. Of two servers, the one with the later confirmation has
+  /// the better claim: the broker
+  /// before gave it the name of the other. If neither has one, the one that has served the
+  /// object for longer.
   /// If the server is of another user than the broker and not of root, the broker replaces
   /// the user and the host name
   /// in `what` by those that the kernel or a key proves.
@@ -43,11 +49,13 @@ class BrokerServant : public virtual gecos::Servant {
   /// older server, which admits no visitors.
   /// @param served_for [s]
   /// @param settles_in [s]
+  /// @param confirmed_ago [s]
   /// May fail with gecos::NameTaken.
   virtual gecos::Result<std::optional<double>> enlist(
       const ::gecos::Entry& what,
       double served_for,
-      const std::optional<::gecos::AdmittedNames>& admitted) = 0;
+      const std::optional<::gecos::AdmittedNames>& admitted,
+      const std::optional<double>& confirmed_ago) = 0;
 
   /// Takes an object of the calling session off the list.
   /// May fail with gecos::UnknownName.

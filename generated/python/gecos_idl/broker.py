@@ -62,11 +62,12 @@ _list_ = list
 _BROKER_ENLIST: _Method[float | None, None] = _method(
     _Operation(0x17D413CE, "enlist", _Access.SENSOR, presence=False, hash=0xFF7A6020C83EDD81),
     takes=_values(
-        "what served_for admitted",
+        "what served_for admitted confirmed_ago",
         Entry,
         "d",
         _layout.optional(AdmittedNames),
-        defaults=(0.0, None),
+        _layout.optional("d"),
+        defaults=(0.0, None, None),
     ),
     gives=_layout.optional("d"),
     named="settles_in",
@@ -163,8 +164,8 @@ _BROKER_BEHIND: _Method[RevocationState, None] = _method(
     takes=_values("revoked", _layout.items(Revocation)),
     gives=RevocationState,
 )
-_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.3","hash":"0xc75ad8ef71764b0f","members":[
-{"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has been served for longer, so ask again. Absent: the name is the server\u0027s.\nIf the server is of another user than the broker and not of root, the broker replaces the user and the host name\nin `what` by those that the kernel or a key proves.\n`admitted` says whom the program and the lab file of the server admit. A user is a visitor if no list of the\nbroker\u0027s lab file admits the user, but these lists do. A visitor finds the objects that admit this user, and may\ndo nothing else here. The lists count as long as the server has the name, or is silent and keeps it. Absent: an\nolder server, which admits no visitors.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true},{"name":"admitted","direction":"in","type":"gecos::AdmittedNames","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
+_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.4","hash":"0x9d18cc762013dd1c","members":[
+{"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has a better claim, so ask again. Absent: the name is the server\u0027s.\n`confirmed_ago` says how long ago a broker last had the name for this server. Absent: none had, or another server\nmay have got the name since. Of two servers, the one with the later confirmation has the better claim: the broker\nbefore gave it the name of the other. If neither has one, the one that has served the object for longer.\nIf the server is of another user than the broker and not of root, the broker replaces the user and the host name\nin `what` by those that the kernel or a key proves.\n`admitted` says whom the program and the lab file of the server admit. A user is a visitor if no list of the\nbroker\u0027s lab file admits the user, but these lists do. A visitor finds the objects that admit this user, and may\ndo nothing else here. The lists count as long as the server has the name, or is silent and keeps it. Absent: an\nolder server, which admits no visitors.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true},{"name":"admitted","direction":"in","type":"gecos::AdmittedNames","optional":true},{"name":"confirmed_ago","direction":"in","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
 {"kind":"operation","name":"withdraw","doc":"Takes an object of the calling session off the list.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":3320558639,"hash":"0x8875f2f1fe455040"},
 {"kind":"operation","name":"lookup","doc":"Where an object is that was enlisted.","result":"gecos::Entry","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1239667683,"hash":"0x5ed8113ab6d833d8"},
 {"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"},
@@ -192,8 +193,8 @@ _BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broke
 "references":[]}'''
 _BROKER = _interface(
     "gecos::Broker",
-    "1.3",
-    0xC75AD8EF71764B0F,
+    "1.4",
+    0x9D18CC762013DD1C,
     (),
     (
         _BROKER_ENLIST,
@@ -224,6 +225,7 @@ class Broker(_Object):
         what: Entry,
         served_for: float = 0.0,
         admitted: AdmittedNames | None = None,
+        confirmed_ago: float | None = None,
     ) -> _Command[float | None]:
         """Makes an object findable until the calling session ends. Named enlist because
         `register` is a word of C++.
@@ -231,8 +233,14 @@ class Broker(_Object):
         of their own.
         A broker that has just started may hear of an object that was served before it: within
         `settles_in` the
-        name may go to an object that has been served for longer, so ask again. Absent: the
-        name is the server's.
+        name may go to an object that has a better claim, so ask again. Absent: the name is
+        the server's.
+        `confirmed_ago` says how long ago a broker last had the name for this server. Absent:
+        none had, or another server
+        may have got the name since. Of two servers, the one with the later confirmation has
+        the better claim: the broker
+        before gave it the name of the other. If neither has one, the one that has served the
+        object for longer.
         If the server is of another user than the broker and not of root, the broker replaces
         the user and the host name
         in `what` by those that the kernel or a key proves.
@@ -246,9 +254,13 @@ class Broker(_Object):
 
         served_for: [s]
         settles_in: [s]
+        confirmed_ago: [s]
         May raise NameTaken.
         """
-        return self._gecos_call(_BROKER_ENLIST, _BROKER_ENLIST.request(what, served_for, admitted))
+        return self._gecos_call(
+            _BROKER_ENLIST,
+            _BROKER_ENLIST.request(what, served_for, admitted, confirmed_ago),
+        )
 
     def withdraw(self, name: str) -> _Command[None]:
         """Takes an object of the calling session off the list.
@@ -341,6 +353,7 @@ class BrokerServant(_Servant):
         what: Entry,
         served_for: float,
         admitted: AdmittedNames | None,
+        confirmed_ago: float | None,
     ) -> float | None:
         """Makes an object findable until the calling session ends. Named enlist because
         `register` is a word of C++.
@@ -348,8 +361,14 @@ class BrokerServant(_Servant):
         of their own.
         A broker that has just started may hear of an object that was served before it: within
         `settles_in` the
-        name may go to an object that has been served for longer, so ask again. Absent: the
-        name is the server's.
+        name may go to an object that has a better claim, so ask again. Absent: the name is
+        the server's.
+        `confirmed_ago` says how long ago a broker last had the name for this server. Absent:
+        none had, or another server
+        may have got the name since. Of two servers, the one with the later confirmation has
+        the better claim: the broker
+        before gave it the name of the other. If neither has one, the one that has served the
+        object for longer.
         If the server is of another user than the broker and not of root, the broker replaces
         the user and the host name
         in `what` by those that the kernel or a key proves.
@@ -363,6 +382,7 @@ class BrokerServant(_Servant):
 
         served_for: [s]
         settles_in: [s]
+        confirmed_ago: [s]
         May raise NameTaken.
         """
 

@@ -75,6 +75,7 @@ nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::
   options.quality = requested_quality(quality);
   options.incarnation = incarnation;
   options.patience = patience_of(patience);
+  const Duration longest_wait = patience_of(wait);
   const auto& [medium, in, out] = channels;
   options.medium = medium_called(medium);
   options.in = medium_called(in);
@@ -86,10 +87,10 @@ nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::
     });
   };
   auto created = attempt();
-  if (!created && wait > 0) {
+  if (!created && longest_wait > Duration::zero()) {
     const auto drop_it = [](session::CreateWait* it) { without_gil([it] { delete it; }); };
     const std::unique_ptr<session::CreateWait, decltype(drop_it)> waiting(
-        new session::CreateWait(session::LabAccess::context(*self.get()), names, patience_of(wait)),
+        new session::CreateWait(session::LabAccess::context(*self.get()), names, longest_wait),
         drop_it);
     while (!created && waiting->helps(created.error())) {
       wait_in_slices(std::nullopt, [&](TimePoint until) { return waiting->wait(until); });

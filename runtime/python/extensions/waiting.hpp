@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <future>
 #include <memory>
 #include <optional>
@@ -22,8 +23,12 @@ namespace gecos::python {
 inline constexpr Duration longest_deafness = std::chrono::milliseconds(100);
 
 /// Converts a time in seconds from Python. None and infinity mean that the wait has no limit.
-/// Negative values and NaN mean zero.
+/// Negative values mean zero. Raises ValueError for NaN.
 inline Duration patience_of(std::optional<double> seconds) {
+  if (seconds && std::isnan(*seconds)) {
+    throw nanobind::value_error(
+        "nan is no time to wait; give a number of seconds, or None to wait without limit");
+  }
   if (!seconds || *seconds > 1e9) return Duration::max();
   if (!(*seconds > 0)) return Duration::zero();
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*seconds));

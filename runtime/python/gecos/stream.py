@@ -311,7 +311,7 @@ class Stream(Generic[T]):
         try:
             self._turn, self._waits = turn, True
             sample = self._returned_one()
-            left = None if end is None else max(0.0, end - time.monotonic())
+            left = None if end is None else end - time.monotonic()
             while sample is None:
                 raw = wait(left)
                 if raw == "closed":

@@ -453,10 +453,12 @@ class YoungDirectory : public ::testing::Test {
  protected:
   /// What the server of that life is told which has served RX90 for so long, `after` its start.
   tl::expected<Duration, NameTaken> enlist(std::uint64_t incarnation, Duration served_for,
-                                           Duration after) {
+                                           Duration after,
+                                           std::optional<Duration> confirmed_ago = {}) {
     Entry entry = named("RX90");
     entry.boot = incarnation;
-    return directory_.enlist({incarnation, incarnation, served_for}, entry, started + after);
+    return directory_.enlist({incarnation, incarnation, served_for, Host::Other, confirmed_ago},
+                             entry, started + after);
   }
   std::uint64_t holder() const { return directory_.look_up("RX90")->boot; }
 
@@ -483,6 +485,21 @@ TEST_F(YoungDirectory, PrefersTheObjectThatHasBeenServedLongest) {
   EXPECT_TRUE(enlist(9, seconds(100), milliseconds(300)));
   EXPECT_EQ(holder(), 9u);
   EXPECT_FALSE(enlist(7, milliseconds(5300), milliseconds(400)));
+}
+
+TEST_F(YoungDirectory, PrefersTheServerForWhichABrokerHadTheNameLast) {
+  ASSERT_TRUE(enlist(7, seconds(100), milliseconds(100), seconds(12)));
+  EXPECT_TRUE(enlist(8, seconds(5), milliseconds(200), seconds(1)));
+  EXPECT_EQ(holder(), 8u);
+  EXPECT_FALSE(enlist(9, seconds(50), milliseconds(300), seconds(11)));
+  EXPECT_FALSE(enlist(7, seconds(100), milliseconds(400), seconds(0))) << "it gave way before";
+}
+
+TEST_F(YoungDirectory, PrefersAServerForWhichABrokerHadTheNameToOneForWhichNoneHad) {
+  ASSERT_TRUE(enlist(7, seconds(100), milliseconds(100)));
+  EXPECT_TRUE(enlist(8, seconds(5), milliseconds(200), seconds(1)));
+  EXPECT_FALSE(enlist(9, seconds(200), milliseconds(300)));
+  EXPECT_EQ(holder(), 8u);
 }
 
 TEST_F(YoungDirectory, OfTwoNewObjectsTheFirstKeepsTheName) {

@@ -105,11 +105,11 @@ TEST(BuiltInOperations, KeepTheirBytes) {
 }
 
 TEST(BrokerCalls, KeepTheirBytes) {
-  expect_bytes(Broker_enlist_arguments{entry(), 2.5, {}},
+  expect_bytes(Broker_enlist_arguments{entry(), 2.5, {}, {}},
                "000000710000000552583930000000000c726f62636c3a3a5278393000000000010000000e726f62"
                "636c3a3a44657669636500000000000000000900000000000000050000002a000000046576610000"
                "0000026800000000046c616200000000010000000773686d3a2f7800010000000000000006400400000"
-               "000000000");
+               "00000000000");
   expect_bytes(Broker_lookup_arguments{"RX90"}, "000000055258393000");
   expect_bytes(Broker_withdraw_arguments{"RX90"}, "000000055258393000");
   expect_bytes(Broker_lookup_result{entry()},

@@ -304,8 +304,9 @@ class SlowBroker : public gecos::BrokerServant {
   int left() const { return left_; }
 
  private:
-  gecos::Result<std::optional<double>> enlist(const gecos::Entry& what, double /*served_for*/,
-                                              const std::optional<gecos::AdmittedNames>&) override {
+  gecos::Result<std::optional<double>> enlist(
+      const gecos::Entry& what, double /*served_for*/, const std::optional<gecos::AdmittedNames>&,
+      const std::optional<double>& /*confirmed_ago*/) override {
     if (left_ == 0) return std::nullopt;
     --left_;
     return tl::unexpected(gecos::Fault(gecos::NameTaken{what.name, "one that is dead"}));

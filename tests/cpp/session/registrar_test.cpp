@@ -33,6 +33,11 @@ class TellingBroker : public gecos::BrokerServant {
     return withdrawn_;
   }
   double served_for() const { return served_for_; }
+  /// What the server said last; nullopt: it did not say that a broker had confirmed the name.
+  std::optional<double> confirmed_ago() {
+    const std::lock_guard lock(mutex_);
+    return confirmed_ago_;
+  }
   /// The users whom the server admits, as it said last; "nothing" if it said nothing about that.
   std::string admitted() {
     const std::lock_guard lock(mutex_);
@@ -52,13 +57,14 @@ class TellingBroker : public gecos::BrokerServant {
   }
 
  private:
-  gecos::Result<std::optional<double>> enlist(
-      const gecos::Entry& what, double served_for,
-      const std::optional<gecos::AdmittedNames>& admitted) override {
+  gecos::Result<std::optional<double>> enlist(const gecos::Entry& what, double served_for,
+                                              const std::optional<gecos::AdmittedNames>& admitted,
+                                              const std::optional<double>& confirmed_ago) override {
     std::unique_lock lock(mutex_);
     ++asked_;
     served_for_ = served_for;
     admitted_ = admitted;
+    confirmed_ago_ = confirmed_ago;
     if (on_enlist) std::exchange(on_enlist, nullptr)();
     entry_ = what;
     lock.unlock();
@@ -96,6 +102,7 @@ class TellingBroker : public gecos::BrokerServant {
   gecos::Entry entry_;
   std::vector<std::string> withdrawn_;
   std::optional<gecos::AdmittedNames> admitted_;
+  std::optional<double> confirmed_ago_;
 };
 
 class Named : public probe::NothingLeftOpen {
@@ -185,6 +192,19 @@ TEST_F(Named, AnObjectThatHasLostItsNameSaysThatItIsServedSinceThen) {
   broker_.say(Answer::Taken);
   EXPECT_TRUE(settles([this] { return broker_.served_for() < before; }))
       << "a broker that starts later would take the name from the other server";
+}
+
+TEST_F(Named, AnObjectSaysHowLongAgoItsNameWasConfirmedUntilItLosesTheName) {
+  serve(Answer::Settled);
+  EXPECT_EQ(broker_.confirmed_ago(), std::nullopt) << "said before the first confirmation";
+  int times = 0;
+  EXPECT_TRUE(settles([&] {
+    server_.allow({"user" + std::to_string(++times)});  // asks again
+    return broker_.confirmed_ago() && *broker_.confirmed_ago() < broker_.served_for() / 2;
+  })) << "the confirmation counts for as long as the session with the broker lasts";
+  broker_.say(Answer::Taken);
+  server_.allow({});
+  EXPECT_TRUE(settles([this] { return broker_.confirmed_ago() == std::nullopt; }));
 }
 
 TEST_F(Named, ARegistrationThatIsAnsweredTooLateIsTakenBack) {

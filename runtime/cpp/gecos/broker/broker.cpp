@@ -187,7 +187,8 @@ View Broker::view() const {
 }
 
 Result<std::optional<double>> Broker::enlist(const Entry& told, double served_for,
-                                             const std::optional<AdmittedNames>& admitted) {
+                                             const std::optional<AdmittedNames>& admitted,
+                                             const std::optional<double>& confirmed_ago) {
   if (auto why = why_not_listed(told, admitted); !why.empty()) {
     return tl::unexpected(Fault::rejected(std::move(why)));
   }
@@ -203,8 +204,9 @@ Result<std::optional<double>> Broker::enlist(const Entry& told, double served_fo
   remove_ended();
   const bool says_pid = !user || !user->pid || *user->pid == what.pid;
   const bool here = says_pid && session::sees_process(what) && processes_->watch(what.pid);
-  const Claim claim{calling_.session, calling_.incarnation, from_seconds(served_for),
-                    here ? Host::Same : Host::Other};
+  Claim claim{calling_.session, calling_.incarnation, from_seconds(served_for),
+              here ? Host::Same : Host::Other};
+  if (confirmed_ago) claim.confirmed_ago = from_seconds(*confirmed_ago);
   const auto before = directory_.look_up(what.name);
   const auto provisional = directory_.enlist(claim, what, SystemClock().since_boot());
   if (!provisional) {
@@ -223,7 +225,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& told, double served_fo
   } else if (*before != what) {
     log_warning("broker", what.name + " now belongs to the server with pid " +
                               std::to_string(what.pid) + " on " + what.hostname +
-                              ", which has served this name for longer than pid " +
+                              ", whose claim to it is better than that of pid " +
                               std::to_string(before->pid) + " on " + before->hostname);
   }
   if (*provisional == Duration::zero()) return std::nullopt;

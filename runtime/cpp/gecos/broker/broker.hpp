@@ -50,7 +50,8 @@ class Broker final : public BrokerServant {
 
  protected:
   Result<std::optional<double>> enlist(const Entry& told, double served_for,
-                                       const std::optional<AdmittedNames>& admitted) override;
+                                       const std::optional<AdmittedNames>& admitted,
+                                       const std::optional<double>& confirmed_ago) override;
   Result<void> withdraw(const std::string& name) override;
   Result<Entry> lookup(const std::string& name) override;
   Result<std::vector<Entry>> list() override;

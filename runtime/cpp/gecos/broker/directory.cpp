@@ -48,7 +48,8 @@ void Directory::expect(const Entry& entry) {
 
 tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const Entry& entry,
                                                     TimePoint now) {
-  const TimePoint since = now - claim.served_for;
+  Seniority claimed{now - claim.served_for, std::nullopt};
+  if (claim.confirmed_ago) claimed.confirmed = now - *claim.confirmed_ago;
   const Duration provisional = std::max(settled_ - now, Duration::zero());
   const bool own_life = entry.boot == claim.incarnation;
   const auto found = places_.find(entry.name);
@@ -65,30 +66,39 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
       silent_.erase(silent);
     }
     epoch = note(entry, Presence::ONLINE, epoch);
-    places_.emplace(entry.name, Place{claim.session, entry, since, {}, epoch, claim.host});
+    places_.emplace(entry.name, Place{claim.session, entry, claimed, {}, epoch, claim.host});
     return provisional;
   }
   Place& place = found->second;
   if (place.entry == entry && (place.session == claim.session || own_life)) {
     place.session = claim.session;
-    // `since` is computed from the time at which a claim arrives, so a claim that arrives late
-    // gives a `since` that is too late. Therefore the earliest `since` is the most exact.
-    place.since = std::min(place.since, since);
+    // Both times are computed from the time at which a claim arrives, so a claim that arrives late
+    // gives times that are too late. Therefore the earliest ones are the most exact.
+    place.seniority.since = std::min(place.seniority.since, claimed.since);
+    place.seniority.confirmed = std::min(place.seniority.confirmed, claimed.confirmed);
     return provisional;
   }
-  if (!gives_way(place, entry, since, now)) {
+  if (!gives_way(place, entry, claimed, now)) {
     return tl::unexpected(NameTaken{entry.name, described(place.entry)});
   }
   auto displaced = std::move(place.displaced);
   displaced.push_back(std::move(place.entry));
-  place = {claim.session, entry, since, std::move(displaced), note(entry, Presence::ONLINE, 0),
+  place = {claim.session, entry, claimed, std::move(displaced), note(entry, Presence::ONLINE, 0),
            claim.host};
   return provisional;
 }
 
-bool Directory::gives_way(const Place& place, const Entry& entry, TimePoint since,
+/// The broker before had the name for one server at a time. So of two confirmed servers, the one
+/// that was confirmed later got the name after the other had lost it. A server that was never
+/// confirmed may have been started while no broker ran.
+bool Directory::outranks(const Seniority& one, const Seniority& other) {
+  if (one.confirmed != other.confirmed) return one.confirmed > other.confirmed;  // nullopt is less
+  return one.since < other.since;
+}
+
+bool Directory::gives_way(const Place& place, const Entry& entry, const Seniority& claimed,
                           TimePoint now) const {
-  return now < settled_ && since < started_ && since < place.since &&
+  return now < settled_ && claimed.since < started_ && outranks(claimed, place.seniority) &&
          std::ranges::find(place.displaced, entry) == place.displaced.end();
 }
 

@@ -31,6 +31,9 @@ struct Claim {
   std::uint64_t incarnation = 0;  ///< incarnation of the server process, as its session reports
   Duration served_for{};          ///< how long the object has been served
   Host host = Host::Other;
+  /// How long ago a broker last had the name for this server; nullopt: never, or another server may
+  /// have got the name since.
+  std::optional<Duration> confirmed_ago = std::nullopt;
 };
 
 /// An object whose server fell silent without withdrawing the object.
@@ -54,10 +57,11 @@ struct DirectoryOptions {
 /// The known objects, each with the session that enlisted it. Does no I/O. Not thread-safe.
 ///
 /// Within the time `young` after the broker's start, servers register the objects that they served
-/// before. If several such objects have one name, the object that has been served longest gets the
-/// name. An object that was served before the broker started also takes its name from an object
-/// that is newer than the broker. During `young` the answer to a claim is provisional. After
-/// `young` a name stays with its object.
+/// before. If several such objects have one name, the object whose name a broker confirmed last
+/// gets the name, because the broker before gave it the name of the others. If none was
+/// confirmed, the object that has been served longest gets the name. An object that was served
+/// before the broker started also takes its name from an object that is newer than the broker.
+/// During `young` the answer to a claim is provisional. After `young` a name stays with its object.
 ///
 /// A registration ends with the session that made it. If the server has not withdrawn the object,
 /// the object is then silent, and no other server gets its name until `free` is called. Without
@@ -138,11 +142,17 @@ class Directory {
   std::vector<Entry> of_this_host() const;
 
  private:
+  /// What decides, soon after the broker's start, which of two objects gets a name.
+  struct Seniority {
+    TimePoint since;  ///< when the server began to serve the object
+    /// Until when a broker had the name for this server, as far as the server knows.
+    std::optional<TimePoint> confirmed;
+  };
+  static bool outranks(const Seniority& one, const Seniority& other);
   struct Place {
     std::uint64_t session = 0;
     Entry entry;
-    TimePoint since;  ///< when the server began to serve the object, by CLOCK_BOOTTIME of the
-                      ///< broker
+    Seniority seniority;
     std::vector<Entry> displaced{};  ///< entries that lost this name and cannot get it back
     std::uint64_t epoch = 0;
     Host host = Host::Other;
@@ -152,7 +162,8 @@ class Directory {
     TimePoint heard;    ///< when the server of a silent object was heard last
   };
 
-  bool gives_way(const Place& place, const Entry& entry, TimePoint since, TimePoint now) const;
+  bool gives_way(const Place& place, const Entry& entry, const Seniority& claimed,
+                 TimePoint now) const;
   std::string why_kept(const Silent& one, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;
   void forget_most(TimePoint now);

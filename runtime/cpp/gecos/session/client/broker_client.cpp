@@ -140,10 +140,11 @@ std::optional<Duration> running_for(ClientConnection& broker, TimePoint deadline
 
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,
                                              Duration served_for,
-                                             const std::optional<AdmittedNames>& admitted) {
-  const double seconds = to_seconds(served_for);
-  return own_call(broker, BrokerInterface::enlist,
-                  Broker_enlist_arguments{entry, seconds, admitted});
+                                             const std::optional<AdmittedNames>& admitted,
+                                             std::optional<Duration> confirmed_ago) {
+  Broker_enlist_arguments arguments{entry, to_seconds(served_for), admitted, std::nullopt};
+  if (confirmed_ago) arguments.confirmed_ago = to_seconds(*confirmed_ago);
+  return own_call(broker, BrokerInterface::enlist, arguments);
 }
 
 tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimePoint deadline) {

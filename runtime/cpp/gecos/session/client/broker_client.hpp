@@ -39,10 +39,13 @@ std::optional<Duration> running_for(ClientConnection& broker, TimePoint deadline
 
 /// Registers the object `entry` with the broker until the session with the broker ends.
 /// `served_for`: how long the object has been served. `admitted`: the users and hosts that the
-/// program of the server admits; no value if the program admits no other users.
+/// program of the server admits; no value if the program admits no other users. `confirmed_ago`:
+/// how long ago a broker last had the name for this server; no value if none had, or if another
+/// server may have got the name since.
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,
                                              Duration served_for,
-                                             const std::optional<AdmittedNames>& admitted = {});
+                                             const std::optional<AdmittedNames>& admitted = {},
+                                             std::optional<Duration> confirmed_ago = {});
 
 struct NotRegistered {
   bool taken = false;    ///< another object has the name; retry only after that object is gone
@@ -51,8 +54,8 @@ struct NotRegistered {
   std::string text;
 };
 /// Waits for the result of `register_object`. Returns how long the registration is provisional: a
-/// broker that has just started may still assign the name to another object that was served for
-/// longer. 0: the registration is final.
+/// broker that has just started may still assign the name to another object with a better claim.
+/// 0: the registration is final.
 tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimePoint deadline);
 void unregister_object(ClientConnection& broker, const std::string& name);
 

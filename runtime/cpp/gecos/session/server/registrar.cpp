@@ -193,7 +193,11 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
         register_object(**broker, registration.entry, Duration::zero(), registration.admitted);
     const auto enlisted = answer_of(**broker, *asked, deadline);
     if (enlisted) {
-      if (*enlisted == Duration::zero()) object.name_confirmation().held(question);
+      if (*enlisted == Duration::zero()) {
+        object.name_confirmation().held(question);
+        registration.confirmed = lab_->runtime()->clock().since_boot();
+        registration.confirmed_by = *broker;
+      }
       return *enlisted;
     }
     const bool later = enlisted.error().unheard || (*broker)->lost() ||
@@ -233,6 +237,11 @@ void Registrar::look() {
     if (broker->lost()) want(Work::Ask);
     if (broker->may_have_ended()) want(Work::LookForNewBroker);
   }
+  if (broker && !broker->lost() && !broker->may_have_ended()) {
+    for (auto& one : registrations_) {
+      if (one.confirmed_by.lock() == broker) one.confirmed = lab_->runtime()->clock().since_boot();
+    }
+  }
   mutex_.unlock();
   contact_->on_tick(broker);
 }
@@ -271,15 +280,31 @@ void Registrar::after_pause(Duration stood_still) {
   const auto& runtime = lab_->runtime();
   const MutexLock lock(mutex_);
   if (stood_still > runtime->registration_ttl()) {
-    for (auto& one : registrations_) one.since = runtime->clock().since_boot();
+    for (auto& one : registrations_) begin_anew(one);
   }
   if (!registrations_.empty()) want(Work::Ask);
+}
+
+void Registrar::begin_anew(Registration& registration) const {
+  registration.since = lab_->runtime()->clock().since_boot();
+  registration.confirmed.reset();
+  registration.confirmed_by.reset();
 }
 
 void Registrar::note_loss(const std::string& name) {
   const MutexLock lock(mutex_);
   for (auto& one : registrations_) {
-    if (one.entry.name == name) one.since = lab_->runtime()->clock().since_boot();
+    if (one.entry.name == name) begin_anew(one);
+  }
+}
+
+void Registrar::note_confirmed(const Registration& asked, const Broker& by) {
+  const MutexLock lock(mutex_);
+  for (auto& one : registrations_) {
+    // An object that has begun anew since the question may have lost its name after the answer.
+    if (one.entry.name != asked.entry.name || one.since != asked.since) continue;
+    one.confirmed = lab_->runtime()->clock().since_boot();
+    one.confirmed_by = by;
   }
 }
 
@@ -356,6 +381,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
     const auto& enlisted = answers.of_each[i];
     if (enlisted && *enlisted == Duration::zero()) {
       object.name_confirmation().held(questions[i]);
+      note_confirmed(registrations[i], answers.from);
       continue;
     }
     rest = std::min(rest, enlisted ? std::min(again, *enlisted) : again);
@@ -387,19 +413,20 @@ Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& regist
                            tl::unexpected(NotRegistered{false, {}, true, answers.missing}));
     return answers;
   }
+  answers.from = *broker;
   contact_->renew(**broker, deadline);
   std::vector<std::shared_ptr<CommandCore>> asked;
+  const TimePoint now = lab_->runtime()->clock().since_boot();
   for (const auto& one : registrations) {
-    asked.push_back(register_object(**broker, one.entry, served_for(one), one.admitted));
+    std::optional<Duration> confirmed_ago;
+    if (one.confirmed) confirmed_ago = now - *one.confirmed;
+    asked.push_back(
+        register_object(**broker, one.entry, now - one.since, one.admitted, confirmed_ago));
   }
   for (const auto& command : asked)
     answers.of_each.push_back(answer_of(**broker, *command, deadline));
   answers.lost = (*broker)->lost() || (*broker)->may_have_ended();
   return answers;
-}
-
-Duration Registrar::served_for(const Registration& registration) const {
-  return lab_->runtime()->clock().since_boot() - registration.since;
 }
 
 /// Once a broker was found, later searches use only its address: a broker at another address does
