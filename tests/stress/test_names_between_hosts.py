@@ -22,13 +22,12 @@ NAME_HOLD = 4.0
 RUNS_FOR_S = 3.0
 """The other broker is then too old to have started in the place of a broker that stands still."""
 YOUNG_S = 1.5
-"""A restarted broker gives names to servers that have served them for longer, for 1 s."""
+"""A restarted broker gives names to servers with better claims for 1 s."""
 GECOS = [sys.executable, "-m", "gecos.cli"]
 
 
-def broker_of(build: Path) -> tuple[str | Path, ...]:
-    """Over lcm alone the broker writes down no names, which its successor could keep."""
-    return build / "runtime/cpp/gecos/broker/gecos-broker", f"--name-hold={NAME_HOLD}", "lcm"
+def broker_of(build: Path, *media: str) -> tuple[str | Path, ...]:
+    return build / "runtime/cpp/gecos/broker/gecos-broker", f"--name-hold={NAME_HOLD}", *media
 
 
 @dataclass
@@ -55,7 +54,8 @@ class TwoHosts:
         return program
 
     def restart_broker(self) -> None:
-        self.broker = self.start(0, *broker_of(self.labs[0].build))
+        """Over lcm alone a broker reads no file with the names of the broker before."""
+        self.broker = self.start(0, *broker_of(self.labs[0].build, "lcm"))
         self.broker.wait_for("ready")
 
     def has_kept_the_name(self, server: Program) -> None:

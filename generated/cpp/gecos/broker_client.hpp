@@ -35,10 +35,10 @@ class Broker : public virtual gecos::Object {
   /// `settles_in` the
   /// name may go to an object that has a better claim, so ask again. Absent: the name is
   /// the server's.
-  /// `confirmed_ago` says how long ago a broker last had the name for this server. Absent:
-  /// none had, or another server
-  /// may have got the name since. Of two servers, the one with the later confirmation has
-  /// the better claim: the broker
+  /// `confirmed_ago` says how long ago the server last asked for the name and got a final
+  /// answer, from whatever
+  /// broker. Absent: never. Of two servers, the one with the later confirmation has the
+  /// better claim: the broker
   /// before gave it the name of the other. If neither has one, the one that has served the
   /// object for longer.
   /// If the server is of another user than the broker and not of root, the broker replaces

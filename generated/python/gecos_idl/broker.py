@@ -165,7 +165,7 @@ _BROKER_BEHIND: _Method[RevocationState, None] = _method(
     gives=RevocationState,
 )
 _BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.4","hash":"0x9d18cc762013dd1c","members":[
-{"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has a better claim, so ask again. Absent: the name is the server\u0027s.\n`confirmed_ago` says how long ago a broker last had the name for this server. Absent: none had, or another server\nmay have got the name since. Of two servers, the one with the later confirmation has the better claim: the broker\nbefore gave it the name of the other. If neither has one, the one that has served the object for longer.\nIf the server is of another user than the broker and not of root, the broker replaces the user and the host name\nin `what` by those that the kernel or a key proves.\n`admitted` says whom the program and the lab file of the server admit. A user is a visitor if no list of the\nbroker\u0027s lab file admits the user, but these lists do. A visitor finds the objects that admit this user, and may\ndo nothing else here. The lists count as long as the server has the name, or is silent and keeps it. Absent: an\nolder server, which admits no visitors.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true},{"name":"admitted","direction":"in","type":"gecos::AdmittedNames","optional":true},{"name":"confirmed_ago","direction":"in","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
+{"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has a better claim, so ask again. Absent: the name is the server\u0027s.\n`confirmed_ago` says how long ago the server last asked for the name and got a final answer, from whatever\nbroker. Absent: never. Of two servers, the one with the later confirmation has the better claim: the broker\nbefore gave it the name of the other. If neither has one, the one that has served the object for longer.\nIf the server is of another user than the broker and not of root, the broker replaces the user and the host name\nin `what` by those that the kernel or a key proves.\n`admitted` says whom the program and the lab file of the server admit. A user is a visitor if no list of the\nbroker\u0027s lab file admits the user, but these lists do. A visitor finds the objects that admit this user, and may\ndo nothing else here. The lists count as long as the server has the name, or is silent and keeps it. Absent: an\nolder server, which admits no visitors.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true},{"name":"admitted","direction":"in","type":"gecos::AdmittedNames","optional":true},{"name":"confirmed_ago","direction":"in","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
 {"kind":"operation","name":"withdraw","doc":"Takes an object of the calling session off the list.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":3320558639,"hash":"0x8875f2f1fe455040"},
 {"kind":"operation","name":"lookup","doc":"Where an object is that was enlisted.","result":"gecos::Entry","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1239667683,"hash":"0x5ed8113ab6d833d8"},
 {"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"},
@@ -235,10 +235,10 @@ class Broker(_Object):
         `settles_in` the
         name may go to an object that has a better claim, so ask again. Absent: the name is
         the server's.
-        `confirmed_ago` says how long ago a broker last had the name for this server. Absent:
-        none had, or another server
-        may have got the name since. Of two servers, the one with the later confirmation has
-        the better claim: the broker
+        `confirmed_ago` says how long ago the server last asked for the name and got a final
+        answer, from whatever
+        broker. Absent: never. Of two servers, the one with the later confirmation has the
+        better claim: the broker
         before gave it the name of the other. If neither has one, the one that has served the
         object for longer.
         If the server is of another user than the broker and not of root, the broker replaces
@@ -363,10 +363,10 @@ class BrokerServant(_Servant):
         `settles_in` the
         name may go to an object that has a better claim, so ask again. Absent: the name is
         the server's.
-        `confirmed_ago` says how long ago a broker last had the name for this server. Absent:
-        none had, or another server
-        may have got the name since. Of two servers, the one with the later confirmation has
-        the better claim: the broker
+        `confirmed_ago` says how long ago the server last asked for the name and got a final
+        answer, from whatever
+        broker. Absent: never. Of two servers, the one with the later confirmation has the
+        better claim: the broker
         before gave it the name of the other. If neither has one, the one that has served the
         object for longer.
         If the server is of another user than the broker and not of root, the broker replaces

@@ -502,6 +502,12 @@ TEST_F(YoungDirectory, PrefersAServerForWhichABrokerHadTheNameToOneForWhichNoneH
   EXPECT_EQ(holder(), 8u);
 }
 
+TEST_F(YoungDirectory, AConfirmationThatItsServerDoesNotRepeatCountsNoMore) {
+  ASSERT_TRUE(enlist(7, seconds(100), milliseconds(100), seconds(1)));
+  ASSERT_TRUE(enlist(7, seconds(100), milliseconds(200)));
+  EXPECT_TRUE(enlist(8, seconds(5), milliseconds(300), seconds(3)));
+}
+
 TEST_F(YoungDirectory, OfTwoNewObjectsTheFirstKeepsTheName) {
   ASSERT_TRUE(enlist(7, seconds(0), milliseconds(200)));
   EXPECT_FALSE(enlist(8, milliseconds(150), milliseconds(250)))

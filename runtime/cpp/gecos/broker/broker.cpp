@@ -206,7 +206,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& told, double served_fo
   const bool here = says_pid && session::sees_process(what) && processes_->watch(what.pid);
   Claim claim{calling_.session, calling_.incarnation, from_seconds(served_for),
               here ? Host::Same : Host::Other};
-  if (confirmed_ago) claim.confirmed_ago = from_seconds(*confirmed_ago);
+  if (confirmed_ago && *confirmed_ago >= 0) claim.confirmed_ago = from_seconds(*confirmed_ago);
   const auto before = directory_.look_up(what.name);
   const auto provisional = directory_.enlist(claim, what, SystemClock().since_boot());
   if (!provisional) {

@@ -48,7 +48,7 @@ void Directory::expect(const Entry& entry) {
 
 tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const Entry& entry,
                                                     TimePoint now) {
-  Seniority claimed{now - claim.served_for, std::nullopt};
+  Standing claimed{now - claim.served_for, std::nullopt};
   if (claim.confirmed_ago) claimed.confirmed = now - *claim.confirmed_ago;
   const Duration provisional = std::max(settled_ - now, Duration::zero());
   const bool own_life = entry.boot == claim.incarnation;
@@ -73,9 +73,10 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   if (place.entry == entry && (place.session == claim.session || own_life)) {
     place.session = claim.session;
     // Both times are computed from the time at which a claim arrives, so a claim that arrives late
-    // gives times that are too late. Therefore the earliest ones are the most exact.
-    place.seniority.since = std::min(place.seniority.since, claimed.since);
-    place.seniority.confirmed = std::min(place.seniority.confirmed, claimed.confirmed);
+    // gives times that are too late. Therefore the earliest ones are the most exact. A claim
+    // that says nothing of a confirmation counts most, as does nullopt, the least value.
+    place.standing.since = std::min(place.standing.since, claimed.since);
+    place.standing.confirmed = std::min(place.standing.confirmed, claimed.confirmed);
     return provisional;
   }
   if (!gives_way(place, entry, claimed, now)) {
@@ -88,17 +89,18 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   return provisional;
 }
 
-/// The broker before had the name for one server at a time. So of two confirmed servers, the one
-/// that was confirmed later got the name after the other had lost it. A server that was never
-/// confirmed may have been started while no broker ran.
-bool Directory::outranks(const Seniority& one, const Seniority& other) {
+/// A broker has the name for one server at a time. So of two confirmed servers, the one that was
+/// confirmed later got the name after the other had lost it. A server of this version that was
+/// never confirmed starts no actor commands yet, so it stops nothing when it loses the name.
+bool Directory::outranks(const Standing& one, const Standing& other) {
   if (one.confirmed != other.confirmed) return one.confirmed > other.confirmed;  // nullopt is less
   return one.since < other.since;
 }
 
-bool Directory::gives_way(const Place& place, const Entry& entry, const Seniority& claimed,
+bool Directory::gives_way(const Place& place, const Entry& entry, const Standing& claimed,
                           TimePoint now) const {
-  return now < settled_ && claimed.since < started_ && outranks(claimed, place.seniority) &&
+  const bool from_before = claimed.confirmed || claimed.since < started_;
+  return now < settled_ && from_before && outranks(claimed, place.standing) &&
          std::ranges::find(place.displaced, entry) == place.displaced.end();
 }
 

@@ -31,8 +31,7 @@ struct Claim {
   std::uint64_t incarnation = 0;  ///< incarnation of the server process, as its session reports
   Duration served_for{};          ///< how long the object has been served
   Host host = Host::Other;
-  /// How long ago a broker last had the name for this server; nullopt: never, or another server may
-  /// have got the name since.
+  /// How long ago the server last asked for the name and got a final answer; nullopt: never.
   std::optional<Duration> confirmed_ago = std::nullopt;
 };
 
@@ -47,7 +46,7 @@ struct Silent {
 
 struct DirectoryOptions {
   /// The time after the broker's start during which its answers to claims are provisional: a server
-  /// that has served an object of the same name for longer may still get the name.
+  /// with a better claim may still get the name.
   Duration young = std::chrono::seconds(1);
   /// The time for which a silent server of another host keeps its name.
   Duration name_hold = std::chrono::seconds(10);
@@ -58,9 +57,9 @@ struct DirectoryOptions {
 ///
 /// Within the time `young` after the broker's start, servers register the objects that they served
 /// before. If several such objects have one name, the object whose name a broker confirmed last
-/// gets the name, because the broker before gave it the name of the others. If none was
-/// confirmed, the object that has been served longest gets the name. An object that was served
-/// before the broker started also takes its name from an object that is newer than the broker.
+/// gets the name, because the broker before gave it the name of the others. Of objects that were
+/// never confirmed, the one that has been served longest gets the name, if it was served before the
+/// broker started.
 /// During `young` the answer to a claim is provisional. After `young` a name stays with its object.
 ///
 /// A registration ends with the session that made it. If the server has not withdrawn the object,
@@ -143,16 +142,15 @@ class Directory {
 
  private:
   /// What decides, soon after the broker's start, which of two objects gets a name.
-  struct Seniority {
-    TimePoint since;  ///< when the server began to serve the object
-    /// Until when a broker had the name for this server, as far as the server knows.
-    std::optional<TimePoint> confirmed;
+  struct Standing {
+    TimePoint since;                     ///< when the server began to serve the object
+    std::optional<TimePoint> confirmed;  ///< when a broker last confirmed the name
   };
-  static bool outranks(const Seniority& one, const Seniority& other);
+  static bool outranks(const Standing& one, const Standing& other);
   struct Place {
     std::uint64_t session = 0;
     Entry entry;
-    Seniority seniority;
+    Standing standing;
     std::vector<Entry> displaced{};  ///< entries that lost this name and cannot get it back
     std::uint64_t epoch = 0;
     Host host = Host::Other;
@@ -162,7 +160,7 @@ class Directory {
     TimePoint heard;    ///< when the server of a silent object was heard last
   };
 
-  bool gives_way(const Place& place, const Entry& entry, const Seniority& claimed,
+  bool gives_way(const Place& place, const Entry& entry, const Standing& claimed,
                  TimePoint now) const;
   std::string why_kept(const Silent& one, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;

@@ -40,8 +40,8 @@ std::optional<Duration> running_for(ClientConnection& broker, TimePoint deadline
 /// Registers the object `entry` with the broker until the session with the broker ends.
 /// `served_for`: how long the object has been served. `admitted`: the users and hosts that the
 /// program of the server admits; no value if the program admits no other users. `confirmed_ago`:
-/// how long ago a broker last had the name for this server; no value if none had, or if another
-/// server may have got the name since.
+/// how long ago this server last asked for the name and got a final answer; no value if it never
+/// did.
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,
                                              Duration served_for,
                                              const std::optional<AdmittedNames>& admitted = {},

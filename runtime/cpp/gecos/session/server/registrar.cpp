@@ -142,7 +142,8 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   registrations_.push_back(std::move(registration));
   const bool admits_others = renew(registrations_.back());
   note_reach(registrations_.back());
-  if (*enlisted > Duration::zero() || admits_others) want(Work::Ask);
+  const bool other_broker = broker_ != enlisted->by;  // which does not know the object
+  if (enlisted->provisional > Duration::zero() || admits_others || other_broker) want(Work::Ask);
   return {};
 }
 
@@ -168,8 +169,8 @@ void Registrar::note_reach(const Registration& registration) {
 /// belongs to a server that has ended on this host, because a killed server may be restarted before
 /// the broker notices its end. Also tries again while the name is held for a silent server that
 /// loses the name before `deadline`.
-tl::expected<Duration, std::string> Registrar::register_first(Registration& registration,
-                                                              TimePoint deadline) {
+tl::expected<Registrar::Registered, std::string> Registrar::register_first(
+    Registration& registration, TimePoint deadline) {
   AskPause pause;
   for (;;) {
     const auto broker = find_broker(deadline);
@@ -195,10 +196,9 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
     if (enlisted) {
       if (*enlisted == Duration::zero()) {
         object.name_confirmation().held(question);
-        registration.confirmed = lab_->runtime()->clock().since_boot();
-        registration.confirmed_by = *broker;
+        registration.confirmed = registration.since;
       }
-      return *enlisted;
+      return Registered{*enlisted, *broker};
     }
     const bool later = enlisted.error().unheard || (*broker)->lost() ||
                        (*broker)->may_have_ended() ||
@@ -236,11 +236,6 @@ void Registrar::look() {
   if (broker && next_ == TimePoint::max()) {
     if (broker->lost()) want(Work::Ask);
     if (broker->may_have_ended()) want(Work::LookForNewBroker);
-  }
-  if (broker && !broker->lost() && !broker->may_have_ended()) {
-    for (auto& one : registrations_) {
-      if (one.confirmed_by.lock() == broker) one.confirmed = lab_->runtime()->clock().since_boot();
-    }
   }
   mutex_.unlock();
   contact_->on_tick(broker);
@@ -280,31 +275,22 @@ void Registrar::after_pause(Duration stood_still) {
   const auto& runtime = lab_->runtime();
   const MutexLock lock(mutex_);
   if (stood_still > runtime->registration_ttl()) {
-    for (auto& one : registrations_) begin_anew(one);
+    for (auto& one : registrations_) one.since = runtime->clock().since_boot();
   }
   if (!registrations_.empty()) want(Work::Ask);
-}
-
-void Registrar::begin_anew(Registration& registration) const {
-  registration.since = lab_->runtime()->clock().since_boot();
-  registration.confirmed.reset();
-  registration.confirmed_by.reset();
 }
 
 void Registrar::note_loss(const std::string& name) {
   const MutexLock lock(mutex_);
   for (auto& one : registrations_) {
-    if (one.entry.name == name) begin_anew(one);
+    if (one.entry.name == name) one.since = lab_->runtime()->clock().since_boot();
   }
 }
 
-void Registrar::note_confirmed(const Registration& asked, const Broker& by) {
+void Registrar::note_confirmed(const std::string& name, TimePoint asked) {
   const MutexLock lock(mutex_);
   for (auto& one : registrations_) {
-    // An object that has begun anew since the question may have lost its name after the answer.
-    if (one.entry.name != asked.entry.name || one.since != asked.since) continue;
-    one.confirmed = lab_->runtime()->clock().since_boot();
-    one.confirmed_by = by;
+    if (one.entry.name == name) one.confirmed = asked;
   }
 }
 
@@ -381,7 +367,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
     const auto& enlisted = answers.of_each[i];
     if (enlisted && *enlisted == Duration::zero()) {
       object.name_confirmation().held(questions[i]);
-      note_confirmed(registrations[i], answers.from);
+      note_confirmed(object.name(), answers.asked);
       continue;
     }
     rest = std::min(rest, enlisted ? std::min(again, *enlisted) : again);
@@ -413,15 +399,14 @@ Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& regist
                            tl::unexpected(NotRegistered{false, {}, true, answers.missing}));
     return answers;
   }
-  answers.from = *broker;
   contact_->renew(**broker, deadline);
   std::vector<std::shared_ptr<CommandCore>> asked;
-  const TimePoint now = lab_->runtime()->clock().since_boot();
+  answers.asked = lab_->runtime()->clock().since_boot();
   for (const auto& one : registrations) {
     std::optional<Duration> confirmed_ago;
-    if (one.confirmed) confirmed_ago = now - *one.confirmed;
-    asked.push_back(
-        register_object(**broker, one.entry, now - one.since, one.admitted, confirmed_ago));
+    if (one.confirmed) confirmed_ago = answers.asked - *one.confirmed;
+    asked.push_back(register_object(**broker, one.entry, answers.asked - one.since, one.admitted,
+                                    confirmed_ago));
   }
   for (const auto& command : asked)
     answers.of_each.push_back(answer_of(**broker, *command, deadline));

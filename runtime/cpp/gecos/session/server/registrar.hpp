@@ -45,8 +45,7 @@ class Registrar {
   void renew_lists();
   /// Called after a pause of this process. Makes the thread of the registrar ask the broker again
   /// whether it confirms the names of all objects. If the pause was longer than a registration
-  /// lives, other servers may have got the names: the objects count as served from now on, and as
-  /// never confirmed.
+  /// lives, other servers may have got the names: the objects count as served from now on.
   void after_pause(Duration stood_still);
   /// Unregisters all objects.
   void end();
@@ -58,11 +57,9 @@ class Registrar {
     /// Since when the object is served under its name, by CLOCK_BOOTTIME: since its first
     /// registration, unless the name was taken later, or may have been.
     TimePoint since{};
-    /// Until when `confirmed_by`, or a broker before it, had the name for this object, by
-    /// CLOCK_BOOTTIME; nullopt: none had it, or another server may have got it since.
+    /// When the last question was sent to which a broker gave a final answer, by CLOCK_BOOTTIME.
+    /// Whoever has the name later is confirmed later.
     std::optional<TimePoint> confirmed{};
-    /// The session in which a broker has confirmed the name. While it lasts, `confirmed` advances.
-    std::weak_ptr<ClientConnection> confirmed_by{};
     AdmittedNames admitted{};  ///< sent to the broker with each registration
   };
   using Broker = std::shared_ptr<ClientConnection>;
@@ -77,7 +74,7 @@ class Registrar {
   /// Looks for a broker that has taken the place of a silent one. Returns whether it has found one.
   bool has_new_broker();
   struct Answers {
-    Broker from;  ///< the broker that was asked; null: none was found
+    TimePoint asked;  ///< when the questions were sent, by CLOCK_BOOTTIME
     std::vector<tl::expected<Duration, NotRegistered>> of_each;
     std::string missing;  ///< why no broker was found
     BrokerAnswer broker = BrokerAnswer::Other;
@@ -94,15 +91,16 @@ class Registrar {
   bool renew(Registration& registration) const GECOS_REQUIRES(mutex_);
   tl::expected<Broker, NoBroker> find_broker(TimePoint deadline);
   void want(Work work) GECOS_REQUIRES(mutex_);
-  /// Gives up the claim that the object has by its past, because another server has got the name,
-  /// or may have got it. If a broker starts later that knows neither server, this object must not
-  /// take the name back.
-  void begin_anew(Registration& registration) const GECOS_REQUIRES(mutex_);
+  /// Notes that another server has got the name. If a broker starts later that knows neither, this
+  /// object must not take the name back because it was served earlier.
   void note_loss(const std::string& name);
-  /// `asked`: the registration as it was when `by` was asked.
-  void note_confirmed(const Registration& asked, const Broker& by);
-  tl::expected<Duration, std::string> register_first(Registration& registration,
-                                                     TimePoint deadline);
+  void note_confirmed(const std::string& name, TimePoint asked);
+  struct Registered {
+    Duration provisional;  ///< 0: the answer is final
+    Broker by;
+  };
+  tl::expected<Registered, std::string> register_first(Registration& registration,
+                                                       TimePoint deadline);
   void take_back(ClientConnection& broker, const std::string& name);
   /// Logs a warning, once, if the broker runs as another user, this server admits other users by
   /// the list of its program, and these users cannot reach this server over shm.
