@@ -129,6 +129,15 @@ TEST(BrokerCalls, ReadTheAnswerOfABrokerThatSaysLess) {
   EXPECT_EQ(read->settles_in, std::nullopt);
 }
 
+TEST(BrokerCalls, ReadTheQuestionOfAServerThatSaysLess) {
+  Bytes told = layout::to_bytes(Broker_enlist_arguments{entry(), 2.5, {}, 1.5});
+  told.resize(told.size() - 1 - sizeof(double));  // neither that `confirmed_ago` has a value nor it
+  const auto read = layout::from_bytes<Broker_enlist_arguments>(told);
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(read->served_for, 2.5);
+  EXPECT_EQ(read->confirmed_ago, std::nullopt);
+}
+
 TEST(BuiltInOperations, KeepTheirCodes) {
   std::uint32_t code = 0;
   for (const OperationDescription& operation : GecosObjectInterface::operations) {
