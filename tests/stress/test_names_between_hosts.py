@@ -53,9 +53,8 @@ class TwoHosts:
         program.finish()
         return program
 
-    def restart_broker(self) -> None:
-        """Over lcm alone a broker reads no file with the names of the broker before."""
-        self.broker = self.start(0, *broker_of(self.labs[0].build, "lcm"))
+    def restart_broker(self, *media: str) -> None:
+        self.broker = self.start(0, *broker_of(self.labs[0].build, *media))
         self.broker.wait_for("ready")
 
     def has_kept_the_name(self, server: Program) -> None:
@@ -149,7 +148,7 @@ def test_a_restarted_broker_does_not_give_the_name_back_to_the_server_that_has_l
     two.broker.kill()
     if not told:
         frozen.signal(signal.SIGCONT)
-    two.restart_broker()
+    two.restart_broker("lcm")  # reads no file with the names of the broker before
     two.has_kept_the_name(other)
     if not told:
         frozen.wait_for("is stopped and takes no actor commands")
@@ -166,9 +165,26 @@ def test_a_restarted_broker_does_not_give_the_name_back_to_a_server_that_was_cut
     other = two.serve(0)
     two.broker.kill()
     two.hosts.mend()
-    two.restart_broker()
+    two.restart_broker("lcm")  # reads no file with the names of the broker before
     two.has_kept_the_name(other)
     cut_off.wait_for("is stopped and takes no actor commands")
+
+
+def test_a_broker_that_dies_in_its_first_second_passes_no_provisional_name_on(
+    two: TwoHosts,
+) -> None:
+    server = two.serve(1)
+    began = time.monotonic()
+    until(lambda: time.monotonic() - began > YOUNG_S, "the broker has confirmed the name")
+    two.broker.kill()
+    server.signal(signal.SIGSTOP)  # so that the newcomer is the first to ask
+    newcomer = two.start(0, two.labs[0].build / "tests/system/rail/rail_server")
+    two.restart_broker()
+    newcomer.wait_for("serving RAIL")
+    two.broker.kill()
+    server.signal(signal.SIGCONT)
+    two.restart_broker()
+    two.has_kept_the_name(server)
 
 
 def test_a_server_that_was_cut_off_for_less_than_name_hold_has_its_name(two: TwoHosts) -> None:

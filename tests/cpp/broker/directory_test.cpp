@@ -378,6 +378,25 @@ TEST_F(ExpectedServer, IsKnownToTheNextBroker) {
   EXPECT_TRUE(directory_.of_this_host().empty());
 }
 
+TEST(Directory, TheNextBrokerKeepsNoNameThatIsStillProvisional) {
+  Directory directory(started);
+  const auto claims = [&](std::optional<Duration> confirmed_ago, Duration after) {
+    return directory.enlist({1, 7, {}, Host::Same, confirmed_ago}, of_life(7), started + after);
+  };
+  ASSERT_TRUE(claims({}, milliseconds(300)));
+  EXPECT_TRUE(directory.of_this_host().empty());
+  ASSERT_TRUE(claims({}, seconds(1)));
+  EXPECT_EQ(directory.of_this_host(), std::vector<Entry>{of_life(7)});
+  EXPECT_EQ(directory.became_certain(), 1u) << "so that the names are written down again";
+}
+
+TEST(Directory, TheNextBrokerKeepsANameThatABrokerBeforeHasConfirmed) {
+  Directory directory(started);
+  ASSERT_TRUE(directory.enlist({1, 7, {}, Host::Same, seconds(2)}, of_life(7), started));
+  directory.end_session(1, started);
+  EXPECT_EQ(directory.of_this_host(), std::vector<Entry>{of_life(7)});
+}
+
 TEST(Directory, ADeathThatTheKernelReportsFreesTheNameOfALiveSession) {
   Directory directory(started);
   ASSERT_TRUE(directory.enlist({1, 7, {}, Host::Same}, of_life(7), started + seconds(60)));

@@ -133,9 +133,11 @@ void Broker::forget_unused_processes() {
 
 void Broker::announce() {
   const ListRevision now = directory_.revision();
-  if (std::exchange(announced_, now.number) == now.number) return;
-  if (kept_) kept_->keep(directory_.of_this_host(), *processes_);
-  publish_revision(now);
+  const bool changed = std::exchange(announced_, now.number) != now.number;
+  const auto certain = directory_.became_certain();
+  const bool more_certain = std::exchange(kept_certain_, certain) != certain;
+  if (kept_ && (changed || more_certain)) kept_->keep(directory_.of_this_host(), *processes_);
+  if (changed) publish_revision(now);
 }
 
 void Broker::expect_known(const std::vector<media::Kind>& media) {

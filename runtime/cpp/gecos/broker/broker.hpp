@@ -91,6 +91,8 @@ class Broker final : public BrokerServant {
   Mutex mutex_;  ///< needed because calls run on one thread and sessions end on another
   Directory directory_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t announced_ GECOS_GUARDED_BY(mutex_) = 0;  ///< number of the last published change
+  /// How many names had become certain when the names were last written down.
+  std::uint64_t kept_certain_ GECOS_GUARDED_BY(mutex_) = 0;
   std::optional<Processes> processes_ GECOS_GUARDED_BY(mutex_);  ///< set while the broker is served
   /// Set while the broker is served over shm.
   std::optional<KeptNames> kept_ GECOS_GUARDED_BY(mutex_);

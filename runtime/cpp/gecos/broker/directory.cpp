@@ -43,7 +43,7 @@ bool is_same_life(const Entry& one, const Entry& other) {
 }  // namespace
 
 void Directory::expect(const Entry& entry) {
-  silent_.insert_or_assign(entry.name, Silent{entry, started_, 0, Host::Same, true});
+  silent_.insert_or_assign(entry.name, Silent{entry, started_, 0, Host::Same, true, true});
 }
 
 tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const Entry& entry,
@@ -51,6 +51,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   Standing claimed{now - claim.served_for, std::nullopt};
   if (claim.confirmed_ago) claimed.confirmed = now - *claim.confirmed_ago;
   const Duration provisional = std::max(settled_ - now, Duration::zero());
+  bool certain = provisional == Duration::zero() || claimed.confirmed;
   const bool own_life = entry.boot == claim.incarnation;
   const auto found = places_.find(entry.name);
   if (found == places_.end()) {
@@ -60,18 +61,21 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
       const Silent& one = silent->second;
       if (own_life && is_same_life(one.entry, entry)) {
         if (one.entry == entry) epoch = one.epoch;
+        certain = certain || (one.entry == entry && one.certain);
       } else if (is_kept(*this, one, now)) {
         return tl::unexpected(NameTaken{entry.name, why_kept(one, now)});
       }
       silent_.erase(silent);
     }
     epoch = note(entry, Presence::ONLINE, epoch);
-    places_.emplace(entry.name, Place{claim.session, entry, claimed, {}, epoch, claim.host});
+    places_.emplace(entry.name,
+                    Place{claim.session, entry, claimed, {}, epoch, claim.host, certain});
     return provisional;
   }
   Place& place = found->second;
   if (place.entry == entry && (place.session == claim.session || own_life)) {
     place.session = claim.session;
+    if (certain && !std::exchange(place.certain, true)) ++became_certain_;
     // Both times are computed from the time at which a claim arrives, so a claim that arrives late
     // gives times that are too late. Therefore the earliest ones are the most exact. A claim
     // that says nothing of a confirmation counts most, as does nullopt, the least value.
@@ -84,8 +88,8 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   }
   auto displaced = std::move(place.displaced);
   displaced.push_back(std::move(place.entry));
-  place = {claim.session, entry, claimed, std::move(displaced), note(entry, Presence::ONLINE, 0),
-           claim.host};
+  place = {claim.session, entry,  claimed, std::move(displaced), note(entry, Presence::ONLINE, 0),
+           claim.host,    certain};
   return provisional;
 }
 
@@ -146,8 +150,8 @@ std::vector<std::string> Directory::end_session(std::uint64_t session, TimePoint
     }
     dropped.push_back(at->first);
     note(place.entry, Presence::SILENT, place.epoch, heard);
-    silent_.insert_or_assign(at->first,
-                             Silent{std::move(place.entry), heard, place.epoch, place.host});
+    silent_.insert_or_assign(
+        at->first, Silent{std::move(place.entry), heard, place.epoch, place.host, place.certain});
     at = places_.erase(at);
   }
   forget_most(heard);
@@ -324,7 +328,7 @@ std::vector<Entry> Directory::of_this_host() const {
   std::vector<Entry> entries;
   const auto add = [&](const auto& list) {
     for (const auto& [name, one] : list) {
-      if (one.host == Host::Same) entries.push_back(one.entry);
+      if (one.host == Host::Same && one.certain) entries.push_back(one.entry);
     }
   };
   add(places_);

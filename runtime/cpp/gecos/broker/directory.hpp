@@ -41,6 +41,7 @@ struct Silent {
   TimePoint since;  ///< when the server was heard last
   std::uint64_t epoch = 0;
   Host host = Host::Other;
+  bool certain = true;    ///< see `Directory::of_this_host`
   bool expected = false;  ///< see `Directory::expect`; the object is not listed as silent yet
 };
 
@@ -137,8 +138,12 @@ class Directory {
   bool keeps_name(const std::string& name, TimePoint now) const;
   /// Returns whether the process `pid` of the broker's host has an object, online or silent.
   bool uses_process(std::int32_t pid) const;
-  /// Returns the objects, online or silent, whose processes are on the broker's host.
+  /// Returns the objects, online or silent, whose processes are on the broker's host, and whose
+  /// names are certain: this broker has given a final answer, or a broker before it had the name
+  /// for the server. The next broker keeps these names.
   std::vector<Entry> of_this_host() const;
+  /// Returns how many names have become certain after a provisional answer.
+  std::uint64_t became_certain() const { return became_certain_; }
 
  private:
   /// What decides, soon after the broker's start, which of two objects gets a name.
@@ -154,6 +159,7 @@ class Directory {
     std::vector<Entry> displaced{};  ///< entries that lost this name and cannot get it back
     std::uint64_t epoch = 0;
     Host host = Host::Other;
+    bool certain = true;  ///< see `of_this_host`
   };
   struct Change {
     Registration what;  ///< the change; the member `silent_for` is not set
@@ -177,6 +183,7 @@ class Directory {
   std::map<std::string, Silent> silent_;
   std::deque<Change> changes_;
   std::uint64_t number_ = 0;  ///< the number of the last change
+  std::uint64_t became_certain_ = 0;
 };
 
 }  // namespace gecos::broker
