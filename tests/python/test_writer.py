@@ -225,6 +225,8 @@ def test_a_sample_for_a_command_that_was_never_sent_is_refused(dancer: Any, feed
             alter.send(feeder.Step(x=0.0, count=0))
         alter.feeds(None)
         alter.send(feeder.Step(x=0.0, count=0))
+        with pytest.raises(TypeError, match=r"feeds takes the command .*, or None, not 3$"):
+            alter.feeds(3)
 
 
 def test_a_dynamic_client_sends_plain_data(

@@ -11,7 +11,7 @@ SERVING = """
 import gecos
 from gecos_idl.broker import BrokerServant
 class Nothing(BrokerServant):
-    def enlist(self, what, served_for, admitted): pass
+    def enlist(self, what, served_for, admitted, confirmed_ago): pass
     def withdraw(self, name): pass
     def lookup(self, name): pass
     def list(self): return []

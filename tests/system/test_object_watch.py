@@ -229,6 +229,8 @@ def test_a_frozen_server_keeps_its_name_when_the_broker_is_killed_and_restarted(
     with gecos.Lab() as client, client.watch() as watch:
         assert next_of(watch) == "RAIL ONLINE"
         frozen.signal(signal.SIGSTOP)
+        names = Path(lab.env["GECOS_RUNTIME_DIR"]) / "BROKER.names"
+        until(lambda: b"RAIL" in names.read_bytes(), "the name is certain and written down")
         watching.kill()
         broker(lab)
         other = lab.run(lab.build / "tests/system/rail/rail_server")

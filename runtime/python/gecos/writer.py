@@ -91,7 +91,12 @@ class Writer(Generic[T]):
 
     def feeds(self, command: Command[Any, Any] | None) -> None:
         """Makes each further sample feed `command`: the sample has an effect only while `command`
-        runs and takes samples. If `command` is None, further samples feed no command."""
+        runs and takes samples. If `command` is None, further samples feed no command. Raises
+        TypeError if `command` is neither a command nor None."""
+        if not isinstance(command, Command | None):
+            raise TypeError(
+                f"feeds takes the command that the samples feed, or None, not {command!r}"
+            )
         self._core.feeds(None if command is None else command.id)
 
     def report(self) -> Command[FeedReport]:

@@ -132,12 +132,13 @@ void Broker::forget_unused_processes() {
 }
 
 void Broker::announce() {
-  const ListRevision now = directory_.revision();
-  const bool changed = std::exchange(announced_, now.number) != now.number;
-  const auto certain = directory_.became_certain();
-  const bool more_certain = std::exchange(kept_certain_, certain) != certain;
-  if (kept_ && (changed || more_certain)) kept_->keep(directory_.of_this_host(), *processes_);
-  if (changed) publish_revision(now);
+  const TimePoint now = SystemClock().since_boot();
+  const ListRevision revision = directory_.revision();
+  const bool settled = directory_.has_settled(now);
+  const bool changed = std::exchange(announced_.number, revision.number) != revision.number;
+  const bool settles = std::exchange(announced_.settled, settled) != settled;
+  if (kept_ && (changed || settles)) kept_->keep(directory_.of_this_host(now), *processes_);
+  if (changed) publish_revision(revision);
 }
 
 void Broker::expect_known(const std::vector<media::Kind>& media) {

@@ -78,6 +78,8 @@ class Broker final : public BrokerServant {
   /// kernel may report an end before `watcher_` runs.
   void remove_ended() GECOS_REQUIRES(mutex_);
   void forget_unused_processes() GECOS_REQUIRES(mutex_);
+  /// Publishes the number of the list, and writes down the names that the next broker keeps, if
+  /// they may have changed.
   void announce() GECOS_REQUIRES(mutex_);
   /// Returns the part of the directory that the client of the current call may see.
   View view() const GECOS_REQUIRES(mutex_);
@@ -90,9 +92,10 @@ class Broker final : public BrokerServant {
   } calling_;    ///< the client of the current call; handlers run one at a time
   Mutex mutex_;  ///< needed because calls run on one thread and sessions end on another
   Directory directory_ GECOS_GUARDED_BY(mutex_);
-  std::uint64_t announced_ GECOS_GUARDED_BY(mutex_) = 0;  ///< number of the last published change
-  /// How many names had become certain when the names were last written down.
-  std::uint64_t kept_certain_ GECOS_GUARDED_BY(mutex_) = 0;
+  struct {
+    std::uint64_t number = 0;  ///< the number of the last published change
+    bool settled = false;      ///< see `Directory::has_settled`
+  } announced_ GECOS_GUARDED_BY(mutex_);
   std::optional<Processes> processes_ GECOS_GUARDED_BY(mutex_);  ///< set while the broker is served
   /// Set while the broker is served over shm.
   std::optional<KeptNames> kept_ GECOS_GUARDED_BY(mutex_);

@@ -35,6 +35,17 @@ bool is_kept(const Directory& directory, const Silent& one, TimePoint now) {
   return directory.free_in(one, now) != Duration::zero();
 }
 
+/// Returns which server keeps the name of a silent object, and until when.
+std::string why_kept(const Directory& directory, const Silent& one, TimePoint now) {
+  const std::string who =
+      described(one.entry) + ", which has been silent for " + in_seconds(now - one.since);
+  const auto rest = directory.free_in(one, now);
+  if (!rest) return who + "; its process still lives on the broker's host";
+  const std::string freed = "after `gecos free " + one.entry.name + "`";
+  if (*rest == TimePoint::max() - now) return who + "; the name is free " + freed;
+  return who + "; the name is free in " + in_seconds(*rest) + ", or " + freed;
+}
+
 /// Returns whether one run of a server process serves both objects.
 bool is_same_life(const Entry& one, const Entry& other) {
   return one.boot == other.boot && one.user == other.user && one.hostname == other.hostname;
@@ -51,7 +62,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   Standing claimed{now - claim.served_for, std::nullopt};
   if (claim.confirmed_ago) claimed.confirmed = now - *claim.confirmed_ago;
   const Duration provisional = std::max(settled_ - now, Duration::zero());
-  bool certain = provisional == Duration::zero() || claimed.confirmed;
+  bool certain = claimed.confirmed.has_value();
   const bool own_life = entry.boot == claim.incarnation;
   const auto found = places_.find(entry.name);
   if (found == places_.end()) {
@@ -63,7 +74,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
         if (one.entry == entry) epoch = one.epoch;
         certain = certain || (one.entry == entry && one.certain);
       } else if (is_kept(*this, one, now)) {
-        return tl::unexpected(NameTaken{entry.name, why_kept(one, now)});
+        return tl::unexpected(NameTaken{entry.name, why_kept(*this, one, now)});
       }
       silent_.erase(silent);
     }
@@ -75,7 +86,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   Place& place = found->second;
   if (place.entry == entry && (place.session == claim.session || own_life)) {
     place.session = claim.session;
-    if (certain && !std::exchange(place.certain, true)) ++became_certain_;
+    place.certain = place.certain || certain;
     // Both times are computed from the time at which a claim arrives, so a claim that arrives late
     // gives times that are too late. Therefore the earliest ones are the most exact. A claim
     // that says nothing of a confirmation counts most, as does nullopt, the least value.
@@ -96,15 +107,15 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
 /// A broker has the name for one server at a time. So of two confirmed servers, the one that was
 /// confirmed later got the name after the other had lost it. A server of this version that was
 /// never confirmed starts no actor commands yet, so it stops nothing when it loses the name.
-bool Directory::outranks(const Standing& one, const Standing& other) {
-  if (one.confirmed != other.confirmed) return one.confirmed > other.confirmed;  // nullopt is less
-  return one.since < other.since;
+bool Directory::Standing::outranks(const Standing& other) const {
+  if (confirmed != other.confirmed) return confirmed > other.confirmed;  // nullopt is less
+  return since < other.since;
 }
 
 bool Directory::gives_way(const Place& place, const Entry& entry, const Standing& claimed,
                           TimePoint now) const {
   const bool from_before = claimed.confirmed || claimed.since < started_;
-  return now < settled_ && from_before && outranks(claimed, place.standing) &&
+  return !has_settled(now) && from_before && claimed.outranks(place.standing) &&
          std::ranges::find(place.displaced, entry) == place.displaced.end();
 }
 
@@ -117,16 +128,6 @@ bool Directory::keeps_name(const std::string& name, TimePoint now) const {
 std::optional<Duration> Directory::free_in(const Silent& one, TimePoint now) const {
   if (one.host == Host::Same) return std::nullopt;
   return std::max(end_of(one.since, options_.name_hold) - now, Duration::zero());
-}
-
-std::string Directory::why_kept(const Silent& one, TimePoint now) const {
-  const std::string who =
-      described(one.entry) + ", which has been silent for " + in_seconds(now - one.since);
-  const auto rest = free_in(one, now);
-  if (!rest) return who + "; its process still lives on the broker's host";
-  const std::string freed = "after `gecos free " + one.entry.name + "`";
-  if (options_.name_hold == Duration::max()) return who + "; the name is free " + freed;
-  return who + "; the name is free in " + in_seconds(*rest) + ", or " + freed;
 }
 
 tl::expected<void, UnknownName> Directory::withdraw(std::uint64_t session,
@@ -218,7 +219,7 @@ tl::expected<void, std::variant<UnknownName, NameInUse>> Directory::free(const s
 
 TimePoint Directory::on_tick(TimePoint now) {
   const TimePoint back_by = started_ + servers_return_within;
-  TimePoint next = TimePoint::max();
+  TimePoint next = has_settled(now) ? TimePoint::max() : settled_;
   for (auto at = silent_.begin(); at != silent_.end();) {
     Silent& one = at->second;
     if (one.expected && now >= back_by) {
@@ -324,11 +325,12 @@ bool Directory::uses_process(std::int32_t pid) const {
   return std::ranges::any_of(places_, of_process) || std::ranges::any_of(silent_, of_process);
 }
 
-std::vector<Entry> Directory::of_this_host() const {
+std::vector<Entry> Directory::of_this_host(TimePoint now) const {
   std::vector<Entry> entries;
   const auto add = [&](const auto& list) {
     for (const auto& [name, one] : list) {
-      if (one.host == Host::Same && one.certain) entries.push_back(one.entry);
+      const bool certain = one.certain || has_settled(now);
+      if (one.host == Host::Same && certain) entries.push_back(one.entry);
     }
   };
   add(places_);

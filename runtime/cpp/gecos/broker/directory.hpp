@@ -61,7 +61,8 @@ struct DirectoryOptions {
 /// gets the name, because the broker before gave it the name of the others. Of objects that were
 /// never confirmed, the one that has been served longest gets the name, if it was served before the
 /// broker started.
-/// During `young` the answer to a claim is provisional. After `young` a name stays with its object.
+/// During `young` the answer to a claim is provisional. After `young` a name stays with its object,
+/// whether its server has asked again or not.
 ///
 /// A registration ends with the session that made it. If the server has not withdrawn the object,
 /// the object is then silent, and no other server gets its name until `free` is called. Without
@@ -115,7 +116,7 @@ class Directory {
   /// Marks the expected servers that have not returned in time as silent. Forgets the objects whose
   /// names are free and that have been silent for longer than `remembered`. Keeps at most
   /// `most_silent` silent objects whose names are free, namely the objects that were heard last.
-  /// Returns the time at which this function must be called again.
+  /// Returns the time at which this function must be called again. The end of `young` is one.
   TimePoint on_tick(TimePoint now);
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
@@ -138,20 +139,21 @@ class Directory {
   bool keeps_name(const std::string& name, TimePoint now) const;
   /// Returns whether the process `pid` of the broker's host has an object, online or silent.
   bool uses_process(std::int32_t pid) const;
-  /// Returns the objects, online or silent, whose processes are on the broker's host, and whose
-  /// names are certain: this broker has given a final answer, or a broker before it had the name
-  /// for the server. The next broker keeps these names.
-  std::vector<Entry> of_this_host() const;
-  /// Returns how many names have become certain after a provisional answer.
-  std::uint64_t became_certain() const { return became_certain_; }
+  /// Returns whether the time `young` is over, so that each name stays with its object.
+  bool has_settled(TimePoint now) const { return now >= settled_; }
+  /// Returns the objects, online or silent, whose processes are on the broker's host. The next
+  /// broker keeps their names. During `young` leaves out the names that are not certain: no broker
+  /// before this one is known to have had the name for the server.
+  std::vector<Entry> of_this_host(TimePoint now) const;
 
  private:
   /// What decides, soon after the broker's start, which of two objects gets a name.
   struct Standing {
     TimePoint since;                     ///< when the server began to serve the object
     std::optional<TimePoint> confirmed;  ///< when a broker last confirmed the name
+
+    bool outranks(const Standing& other) const;
   };
-  static bool outranks(const Standing& one, const Standing& other);
   struct Place {
     std::uint64_t session = 0;
     Entry entry;
@@ -168,7 +170,6 @@ class Directory {
 
   bool gives_way(const Place& place, const Entry& entry, const Standing& claimed,
                  TimePoint now) const;
-  std::string why_kept(const Silent& one, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;
   void forget_most(TimePoint now);
   /// Records a change of the list under the next number. Returns the epoch of the object: `epoch`,
@@ -183,7 +184,6 @@ class Directory {
   std::map<std::string, Silent> silent_;
   std::deque<Change> changes_;
   std::uint64_t number_ = 0;  ///< the number of the last change
-  std::uint64_t became_certain_ = 0;
 };
 
 }  // namespace gecos::broker
