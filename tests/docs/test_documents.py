@@ -35,6 +35,30 @@ def test_every_link_leads_somewhere(document: Path) -> None:
     assert [link for link in links if not (document.parent / link).exists()] == []
 
 
+def anchors(document: Path) -> set[str]:
+    """The anchors that a reader of Markdown gives to the headings, by GitHub's rule."""
+    text = re.sub(r"^```.*?^```", "", text_of(document), flags=re.DOTALL | re.MULTILINE)
+    found: set[str] = set()
+    for heading in re.findall(r"^#+ (.+)$", text, flags=re.MULTILINE):
+        shown = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).lower()
+        anchor = re.sub(r"[^\w\- ]", "", shown).replace(" ", "-")
+        twins = sum(
+            re.fullmatch(rf"{re.escape(anchor)}(-\d+)?", each) is not None for each in found
+        )
+        found.add(f"{anchor}-{twins}" if twins else anchor)
+    return found
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name)
+def test_every_link_to_a_heading_leads_to_one(document: Path) -> None:
+    wrong = []
+    for file, anchor in re.findall(r"\]\(([^)#\s]*)#([^)\s]*)\)", text_of(document)):
+        place = document.parent / file if file else document
+        if "://" not in file and place.suffix == ".md" and anchor not in anchors(place):
+            wrong.append(f"{file}#{anchor}")
+    assert wrong == []
+
+
 @pytest.mark.parametrize("document", DOCUMENTS, ids=name)
 def test_every_file_in_backticks_exists(document: Path) -> None:
     named = [match[1] for match in QUOTED.finditer(text_of(document))]

@@ -548,7 +548,14 @@ def test_wait_returns_when_the_object_is_online(arm: Arm, run: Run) -> None:
 def test_describe_shows_members_with_units_ranges_and_access(arm: Arm, run: Run) -> None:
     code, out, _ = run("describe", "ARM")
     assert code == 0
-    assert "  tool: robcl::Frame  (stream out at 250 Hz)\n" in out
+    assert (
+        "  tool: robcl::Frame  (stream out at 250 Hz, class SOFT_REALTIME, latency 0.005 s, "
+        "lifespan 1 s)\n" in out
+    )
+    assert (
+        "  alter: robcl::Frame  (stream in at 1000 Hz, watchdog 48 ms, send: actor, class "
+        "HARD_REALTIME, depth 64, media shm|can)\n" in out
+    )
     assert "  tool_offset: robcl::Frame  (set: actor)\n" in out
     assert (
         "  move(goal: robcl::Frame, how: robcl::Trajectory?, pose_epoch: uint64?)  (actor, "
@@ -568,7 +575,7 @@ def test_describe_shows_the_values_of_single_readings(arm: Arm, run: Run) -> Non
     assert "  braking_time: double [s] = 0.25\n" in out
     assert "  standing: boolean = true\n" in out
     assert "  posture: robcl::Configuration\n" in out, "a value with members is not shown"
-    assert "  tool: robcl::Frame  (stream out at 250 Hz)\n" in out, "nor one that streams"
+    assert "  tool: robcl::Frame  (stream out at 250 Hz, " in out, "nor one that streams"
     assert "  tool_offset: robcl::Frame  (set: actor)\n" in out, "nor one that is set"
     _, out, _ = run("describe", "ARM", "--json")
     assert valid(out, "describe")

@@ -179,7 +179,8 @@ def test_a_second_broker_is_told_where_the_first_is_and_what_to_do(
     assert f"{place}/BROKER.sock is served already by uid {os.getuid()}, pid {os.getpid()};" in (
         second.stderr
     )
-    assert f"end it first (kill {os.getpid()})" in second.stderr
+    pid = os.getpid()
+    assert f"end it first (kill {pid}; if it is suspended, kill -CONT {pid}" in second.stderr
 
 
 def test_a_name_that_is_taken_is_refused(server: gecos.Server) -> None:

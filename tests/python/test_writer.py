@@ -252,7 +252,7 @@ def test_describe_shows_inward_streams_and_the_others_refuse_them(
 ) -> None:
     code, out, _ = run("describe", "DANCER")
     assert code == 0
-    assert "(stream in at 250 Hz, watchdog 20000 ms, send: actor)" in out
+    assert "(stream in at 250 Hz, watchdog 20000 ms, send: actor, depth 8)" in out
     assert "(stream in, send: sensor)" in out
     for words in (("get", "DANCER", "alter"), ("watch", "DANCER", "alter")):
         code, _, err = run(*words)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
 import time
 from pathlib import Path
@@ -65,6 +67,27 @@ class TestServerKilled:
         assert GRACE_S <= took <= SLACK * (SILENCE_S + GRACE_S)
         with pytest.raises(gecos.ConnectionFailed):
             rail.measure().result()
+
+
+@pytest.mark.usefixtures("here", "lab_with_devices")
+@pytest.mark.parametrize("medium", ["shm", "lcm"])
+def test_a_stream_that_has_ended_gives_no_sample_when_its_server_goes_on(medium: str) -> None:
+    lab = gecos.Lab()
+    joints = lab.create(SixAxis, "RX90", medium=medium).joints.stream()
+    joints.next(PATIENCE_S)
+    (server,) = (one.pid for one in lab.objects() if one.name == "RX90")
+    os.kill(server, signal.SIGSTOP)
+    with pytest.raises(gecos.StreamLost):
+        while joints.next(PATIENCE_S):
+            pass
+    last = joints.history()[-1].stamp
+    os.kill(server, signal.SIGCONT)
+    others = gecos.Lab().create(SixAxis, "RX90", medium=medium, wait=PATIENCE_S).joints.stream()
+    for _ in range(100):
+        assert others.next(PATIENCE_S), "the server publishes again"
+        with pytest.raises(gecos.StreamLost):
+            joints.next(0.0)
+        assert all(sample.stamp <= last for sample in joints.history())
 
 
 @pytest.mark.usefixtures("here")

@@ -19,7 +19,7 @@ using Way = Reception::Way;
 constexpr TimePoint start{1h};
 
 TEST(Reception, ASampleIsReadableAtItsLifespanAndNotAfterIt) {
-  Reception reads({.lifespan = 20ms}, start, std::nullopt);
+  Reception reads({.lifespan = 20ms}, start, 0, std::nullopt);
   EXPECT_TRUE(reads.take(Way::InOrder, 1, start, start + 20ms));
   EXPECT_TRUE(reads.still_valid(start + 20ms));
   EXPECT_FALSE(reads.still_valid(start + 20ms + 1ns));
@@ -30,7 +30,7 @@ TEST(Reception, ASampleIsReadableAtItsLifespanAndNotAfterIt) {
 }
 
 TEST(Reception, WithoutTermsEverySampleIsReadable) {
-  Reception reads({}, start, std::nullopt);
+  Reception reads({}, start, 0, std::nullopt);
   EXPECT_TRUE(reads.take(Way::InOrder, 5, start - 24h, start));
   reads.find_nothing(start + 24h);
   EXPECT_TRUE(reads.still_valid(start + 24h));
@@ -41,7 +41,7 @@ TEST(Reception, WithoutTermsEverySampleIsReadable) {
 }
 
 TEST(Reception, SamplesBeforeTheOneThatIsReadAreLostOrSkipped) {
-  Reception reads({}, start, 3);  // an event: the reader expects number 4
+  Reception reads({}, start, 3, 3);  // an event: the reader expects number 4
   EXPECT_TRUE(reads.take(Way::InOrder, 6, start, start));
   EXPECT_TRUE(reads.take(Way::Newest, 10, start, start));
   EXPECT_TRUE(reads.take(Way::InOrder, 11, start, start));
@@ -49,7 +49,7 @@ TEST(Reception, SamplesBeforeTheOneThatIsReadAreLostOrSkipped) {
 }
 
 TEST(Reception, ASilenceIsReportedOnceAndEachOfItsPeriodsCounts) {
-  Reception reads({.deadline = 10ms}, start, std::nullopt);
+  Reception reads({.deadline = 10ms}, start, 0, std::nullopt);
   EXPECT_EQ(reads.late_at(), start + 10ms + 1ns);
   reads.find_nothing(start + 10ms);
   EXPECT_FALSE(reads.report_late()) << "a sample may still come in time";
@@ -68,7 +68,7 @@ TEST(Reception, ASilenceIsReportedOnceAndEachOfItsPeriodsCounts) {
 }
 
 TEST(Reception, ASlowReaderFindsTheGapsOfTheWriterAndNoOthers) {
-  Reception reads({.deadline = 10ms}, start, std::nullopt);
+  Reception reads({.deadline = 10ms}, start, 0, std::nullopt);
   EXPECT_TRUE(reads.take(Way::InOrder, 1, start + 5ms, start + 1s));
   EXPECT_TRUE(reads.take(Way::InOrder, 2, start + 15ms, start + 1s));
   EXPECT_EQ(reads.counts().missed_deadlines, 0u);
@@ -78,8 +78,18 @@ TEST(Reception, ASlowReaderFindsTheGapsOfTheWriterAndNoOthers) {
   EXPECT_EQ(reads.counts().missed_deadlines, 2u) << "number 4 may have been in time";
 }
 
+TEST(Reception, AReaderThatBeginsLateFindsNoGapBeforeItsFirstSample) {
+  const Quality terms{.deadline = 10ms};
+  Reception late(terms, start, 3, std::nullopt);
+  EXPECT_TRUE(late.take(Way::InOrder, 93, start + 900ms, start + 1s));
+  EXPECT_EQ(late.counts().missed_deadlines, 0u) << "numbers 4 to 92 may have been in time";
+  Reception at_once(terms, start, 3, std::nullopt);
+  EXPECT_TRUE(at_once.take(Way::InOrder, 4, start + 35ms, start + 1s));
+  EXPECT_EQ(at_once.counts().missed_deadlines, 3u) << "number 4 is the first since it subscribed";
+}
+
 TEST(Reception, AWriterThatItselfShowsThatItLivesIsDeadFromAMissedDeadlineToTheNextSample) {
-  Reception reads({.deadline = 10ms, .liveliness = Liveliness::Manual}, start, std::nullopt);
+  Reception reads({.deadline = 10ms, .liveliness = Liveliness::Manual}, start, 0, std::nullopt);
   EXPECT_TRUE(reads.take(Way::Newest, 1, start, start));
   reads.find_nothing(start + 10ms);
   EXPECT_TRUE(reads.writer_alive());
@@ -162,7 +172,7 @@ class Arrived final : public Buffer {
 class World {
  public:
   World(std::uint32_t seed, const Quality& terms, Buffer& buffer)
-      : random_(seed), terms_(terms), buffer_(buffer), reads_(terms, start, std::nullopt) {
+      : random_(seed), terms_(terms), buffer_(buffer) {
     for (auto before = pick(0, 2 * static_cast<std::int64_t>(terms.depth)); before > 0; --before) {
       publish();
     }
@@ -171,6 +181,7 @@ class World {
       joined_at_ = published_.back().sequence;
     }
     buffer_.open(published_.empty() ? std::nullopt : std::optional(published_.back()));
+    reads_.emplace(terms, start, joined_at_, std::nullopt);
   }
 
   void step() {
@@ -194,7 +205,7 @@ class World {
   }
 
   void compare() {
-    EXPECT_EQ(reads_.counts(), counts())
+    EXPECT_EQ(reads_->counts(), counts())
         << "lifespan " << terms_.lifespan.count() << ", deadline " << terms_.deadline.count();
   }
 
@@ -234,21 +245,21 @@ class World {
     EXPECT_EQ(read ? sample.sequence : 0, found ? found->sequence : 0);
     looks_.push_back({now_, found, way});
     if (found) {
-      EXPECT_EQ(reads_.take(way, found->sequence, found->measured, now_), fresh(*found));
+      EXPECT_EQ(reads_->take(way, found->sequence, found->measured, now_), fresh(*found));
     } else {
-      reads_.find_nothing(now_);
+      reads_->find_nothing(now_);
       if (last()) {
-        EXPECT_EQ(reads_.still_valid(now_), fresh(*last()) && alive());
+        EXPECT_EQ(reads_->still_valid(now_), fresh(*last()) && alive());
       }
     }
-    EXPECT_EQ(reads_.writer_alive(), alive());
+    EXPECT_EQ(reads_->writer_alive(), alive());
     if (pick(0, 1) == 0) expect_report();
   }
 
   /// A history has the stored samples that are fresh, and changes no count (compare()).
   void see_history() {
     for (const Published& each : stored()) {
-      EXPECT_NE(reads_.expired(each.measured, now_), fresh(each)) << each.sequence;
+      EXPECT_NE(reads_->expired(each.measured, now_), fresh(each)) << each.sequence;
     }
   }
 
@@ -256,10 +267,10 @@ class World {
     const auto silence = this_silence();
     const bool told = silence.has_value() && told_of_ == silence;
     const bool due = missed_in_this_gap() != 0 && !told;
-    EXPECT_EQ(reads_.report_late(), due);
+    EXPECT_EQ(reads_->report_late(), due);
     if (due) told_of_ = silence;
     const bool waits = terms_.deadline > Duration{} && !(told || due);
-    EXPECT_EQ(reads_.late_at(), waits ? silent_from() + terms_.deadline + 1ns : TimePoint::max());
+    EXPECT_EQ(reads_->late_at(), waits ? silent_from() + terms_.deadline + 1ns : TimePoint::max());
   }
 
   // What the definitions say.
@@ -317,8 +328,9 @@ class World {
       const bool old = terms_.lifespan > Duration{} && each.at > sample.measured + terms_.lifespan;
       ++(old ? all.expired : all.received);
       const std::uint64_t seen = deadlines_between(read_at, looked_last);
+      const bool follows = before ? between == 0 : sample.sequence <= joined_at_ + 1;
       const std::uint64_t measured =
-          between == 0 ? deadlines_between(newest_measured, sample.measured) : 0;
+          follows ? deadlines_between(newest_measured, sample.measured) : 0;
       all.missed_deadlines += std::max(seen, measured);
       newest_measured = std::max(newest_measured, sample.measured);
       read_at = looked_last = each.at;
@@ -331,7 +343,7 @@ class World {
   std::mt19937 random_;
   const Quality terms_;
   Buffer& buffer_;
-  Reception reads_;
+  std::optional<Reception> reads_;
   TimePoint now_ = start;
   std::vector<Published> published_;
   std::uint64_t joined_at_ = 0;  ///< the newest sample when the reader opened the stream

@@ -4,10 +4,12 @@
 
 namespace gecos::qos {
 
-Reception::Reception(const Quality& terms, TimePoint opened, std::optional<std::uint64_t> after)
+Reception::Reception(const Quality& terms, TimePoint opened, std::uint64_t newest,
+                     std::optional<std::uint64_t> after)
     : lifespan_(terms.lifespan),
       deadline_(terms.deadline),
       manual_(terms.liveliness == Liveliness::Manual),
+      newest_at_first_(newest),
       last_(after),
       gap_from_(opened),
       silent_from_(opened) {}
@@ -15,7 +17,9 @@ Reception::Reception(const Quality& terms, TimePoint opened, std::optional<std::
 bool Reception::take(Way way, std::uint64_t sequence, TimePoint measured, TimePoint now) {
   const std::uint64_t unread = last_ ? sequence - *last_ - 1 : 0;
   (way == Way::InOrder ? lost_ : skipped_).add(unread);
-  if (unread == 0) count_missed(periods_in(measured - gap_from_));
+  if (sequence <= last_.value_or(newest_at_first_) + 1) {
+    count_missed(periods_in(measured - gap_from_));
+  }
   last_ = sequence;
   measured_ = measured;
   gap_from_ = std::max(gap_from_, measured);

@@ -34,9 +34,11 @@ class Reception {
   /// skipped (Newest).
   enum class Way : std::uint8_t { InOrder, Newest };
 
-  /// `after`: the reader expects only samples with a sequence number above `after`. Without a
-  /// value, the reader may begin with any sample.
-  Reception(const Quality& terms, TimePoint opened, std::optional<std::uint64_t> after);
+  /// `newest`: the sequence number of the newest sample at the subscription. `after`: the reader
+  /// expects only samples with a sequence number above `after`. Without a value, the reader may
+  /// begin with any sample.
+  Reception(const Quality& terms, TimePoint opened, std::uint64_t newest,
+            std::optional<std::uint64_t> after);
 
   /// Judges a sample that was not read before. Returns whether the reader may get the sample.
   bool take(Way way, std::uint64_t sequence, TimePoint measured, TimePoint now);
@@ -80,8 +82,9 @@ class Reception {
   const Duration lifespan_;
   const Duration deadline_;
   const bool manual_;
-  std::optional<std::uint64_t> last_;  ///< sequence number
-  TimePoint measured_{};               ///< when the last sample was measured
+  const std::uint64_t newest_at_first_;  ///< sequence number, at the subscription
+  std::optional<std::uint64_t> last_;    ///< sequence number
+  TimePoint measured_{};                 ///< when the last sample was measured
   TimePoint gap_from_;     ///< the latest measurement of a sample, at first the subscription
   TimePoint silent_from_;  ///< when the last sample was read, at first the subscription
   bool reported_ = false;  ///< whether report_late() has returned true for this gap

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from gecos.cli.presence import Presence
     from gecos.dynamic_client import Attribute, Member, Model, Operation, Value
     from gecos.dynamic_client.model import Declaration
+    from gecos.interface import Quality
     from gecos.stream import Sample
 
 
@@ -175,7 +176,9 @@ def _arguments(model: Model, event: Attribute) -> Iterator[str]:
 
 
 def _how_watched(event: Attribute) -> str:
-    return "" if event.access == 0 else f"  (watch: {event.access.name.lower()})"
+    words = [] if event.access == 0 else [f"watch: {event.access.name.lower()}"]
+    words += _demanded(event.quality)
+    return f"  ({', '.join(words)})" if words else ""
 
 
 def _types(model: Model) -> None:
@@ -232,18 +235,37 @@ def _default(value: Value) -> str:
     return f" = {_json(value.default)}"
 
 
+def _demanded(quality: Quality) -> list[str]:
+    """Returns what `@qos` demands, for example ["class SOFT_REALTIME", "deadline 0.5 s"]."""
+    words = [] if not quality.line else [f"class {quality.line.name}"]
+    if quality.reliability.name == "RELIABLE":
+        words.append("reliability RELIABLE")
+    for term in ("deadline", "start_by", "latency", "lifespan"):
+        if length := getattr(quality, f"{term}_ns"):
+            words.append(f"{term} {length * 1e-9:g} s")
+    if quality.manual_liveliness:
+        words.append("liveliness MANUAL")
+    if quality.depth:
+        words.append(f"depth {quality.depth}")
+    if quality.media:
+        words.append(f"media {'|'.join(str(each.name).lower() for each in quality.media)}")
+    return words
+
+
 def _how_read(attribute: Attribute) -> str:
     if attribute.inward and attribute.stream is not None:
         rate = f" at {attribute.stream.rate_hz:g} Hz" if attribute.stream.rate_hz else ""
         watched = attribute.stream.watchdog_ns
         watchdog = f", watchdog {watched * 1e-6:g} ms" if watched else ""
-        return f"  (stream in{rate}{watchdog}, send: {attribute.write_access.name.lower()})"
+        sent = f"stream in{rate}{watchdog}, send: {attribute.write_access.name.lower()}"
+        return f"  ({', '.join([sent, *_demanded(attribute.quality)])})"
     words = [] if attribute.access == 0 else [f"read: {attribute.access.name.lower()}"]
     if attribute.can_be_set:
         words.append(f"set: {attribute.write_access.name.lower()}")
     if attribute.stream is not None:
         rate = f" at {attribute.stream.rate_hz:g} Hz" if attribute.stream.rate_hz else ""
         words.append(f"stream out{rate}{', open to anybody' if attribute.stream.open else ''}")
+    words += _demanded(attribute.quality)
     return f"  ({', '.join(words)})" if words else ""
 
 
@@ -255,8 +277,7 @@ def _how_called(operation: Operation) -> str:
         words.append(f"on_new {operation.on_new.name.lower()}")
     if operation.on_loss:  # not STOP
         words.append(f"on_loss {operation.on_loss.name.lower()}")
-    if operation.quality.deadline_ns:
-        words.append(f"deadline {operation.quality.deadline_ns * 1e-9:g} s")
+    words += _demanded(operation.quality)
     if operation.feedback:
         words.append(f"feedback {operation.feedback}")
     if operation.raises:

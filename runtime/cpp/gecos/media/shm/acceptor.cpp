@@ -95,8 +95,9 @@ std::string occupied(const std::string& path) {
   if (server->uid != ::geteuid()) {
     return taken + server->description + ", a program of another user; " + elsewhere;
   }
-  return taken + server->description + "; use that one, end it first (kill " +
-         std::to_string(*server->pid) + "), or " + elsewhere;
+  const std::string pid = std::to_string(*server->pid);
+  return taken + server->description + "; use that one, end it first (kill " + pid +
+         "; if it is suspended, kill -CONT " + pid + " resumes it), or " + elsewhere;
 }
 
 /// Removes the sockets that killed servers have left behind. The name of such a socket has the form

@@ -100,10 +100,11 @@ ClientStream::ClientStream(std::shared_ptr<ClientConnection> session,
       after_(earlier != nullptr ? earlier->after_
              : stream.event     ? std::optional(newest)
                                 : std::nullopt),
-      reception_(earlier != nullptr ? earlier->reception_
-                                    : std::make_shared<qos::Reception>(
-                                          session_->terms(stream.quality),
-                                          session_->runtime().clock().since_boot(), after_)) {}
+      reception_(earlier != nullptr
+                     ? earlier->reception_
+                     : std::make_shared<qos::Reception>(session_->terms(stream.quality),
+                                                        session_->runtime().clock().since_boot(),
+                                                        newest, after_)) {}
 
 ClientStream::~ClientStream() { session_->subscriptions().unsubscribe(code_); }
 
@@ -173,17 +174,39 @@ tl::expected<void, StreamEnd> ClientStream::next(Raw& into, TimePoint deadline,
   for (int looks = most_looks;; --looks) {
     const bool got = await_sample(read, deadline);
     const TimePoint now = clock.since_boot();
+    if (got && came_after_loss(into.sequence)) return tl::unexpected(end());
     if (got) {
       if (admit(qos::Reception::Way::InOrder, into, now)) return {};
       if (looks > 0) continue;
     } else {
       if (!waits_.load(std::memory_order_relaxed)) return tl::unexpected(StreamEnd::Nothing);
-      if (lost()) return tl::unexpected(revoked() ? StreamEnd::Revoked : StreamEnd::Lost);
+      if (lost()) {
+        end_with(into.sequence);
+        return tl::unexpected(end());
+      }
       reception_->find_nothing(now);
       if (reception_->report_late()) return tl::unexpected(StreamEnd::Late);
     }
     if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
   }
+}
+
+/// Returns whether the sample with the number `sequence`, which was just read, was published after
+/// the loss of the session was noticed.
+bool ClientStream::came_after_loss(std::uint64_t sequence) {
+  if (!lost()) return false;
+  if (ends_with_.load(std::memory_order_relaxed) == goes_on) {
+    const auto newest = reader_->lend_latest(0);
+    end_with(newest ? std::max(newest->sequence, sequence) : sequence);
+  }
+  return sequence > ends_with_.load(std::memory_order_relaxed);
+}
+
+/// Makes the sample with the number `sequence` the last one of the stream, which is lost. Only the
+/// first call has an effect.
+void ClientStream::end_with(std::uint64_t sequence) {
+  std::uint64_t before = goes_on;
+  ends_with_.compare_exchange_strong(before, sequence, std::memory_order_relaxed);
 }
 
 /// Waits until `deadline` for an unread sample. The wait ends earlier when the deadline of the
@@ -211,6 +234,7 @@ std::vector<RawSample> ClientStream::history() {
   const TimePoint now = session_->runtime().clock().since_boot();
   for (media::StreamSample& stored : reader_->stored()) {
     if (stored.sequence <= after_.value_or(0)) continue;  // an event before the subscription
+    if (came_after_loss(stored.sequence)) break;
     RawSample sample{std::move(stored), {}, {}};
     date(sample, now);
     if (!reception_->expired(sample.measured, now)) kept.push_back(std::move(sample));
@@ -224,6 +248,8 @@ void ClientStream::stop_waiting() {
 }
 
 bool ClientStream::lost() const { return session_->lost() || session_->closed(); }
+
+StreamEnd ClientStream::end() const { return revoked() ? StreamEnd::Revoked : StreamEnd::Lost; }
 
 bool ClientStream::revoked() const {
   return session_->lost() && session_->calls().loss().how == Ending::Revoked;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,6 +54,9 @@ class ClientStream final : public StreamCore {
   void date(Raw& sample, TimePoint now);
   template <class Raw>
   bool admit(qos::Reception::Way way, Raw& sample, TimePoint now);
+  bool came_after_loss(std::uint64_t sequence);
+  void end_with(std::uint64_t sequence);
+  StreamEnd end() const;
 
   const std::shared_ptr<ClientConnection> session_;
   const FunctionCode code_;
@@ -64,6 +68,10 @@ class ClientStream final : public StreamCore {
   /// it, so that the counts go on.
   const std::shared_ptr<qos::Reception> reception_;
   std::atomic<bool> waits_{true};  // orders no other memory
+  /// The number of the last sample of the stream, known when the loss of the session was noticed. A
+  /// server that was silent may go on writing into the memory that this stream reads.
+  static constexpr std::uint64_t goes_on = std::numeric_limits<std::uint64_t>::max();
+  std::atomic<std::uint64_t> ends_with_{goes_on};  // orders no other memory
 };
 
 }  // namespace gecos::session
