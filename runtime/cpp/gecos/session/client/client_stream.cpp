@@ -172,9 +172,14 @@ tl::expected<void, StreamEnd> ClientStream::next(Raw& into, TimePoint deadline,
                                                  FunctionRef<bool()> read) {
   const Clock& clock = session_->runtime().clock();
   for (int looks = most_looks;; --looks) {
-    const bool got = await_sample(read, deadline);
+    bool got = await_sample(read, deadline);
+    // A sample may have come between the last look and the loss of the session.
+    if (!got && session_->lost() && !session_->closed()) got = read();
     const TimePoint now = clock.since_boot();
-    if (got && came_after_loss(into.sequence)) return tl::unexpected(end());
+    if (got && came_after_loss(into.sequence)) {
+      date(into, now);  // in another session, latest() may return the sample once more
+      return tl::unexpected(end());
+    }
     if (got) {
       if (admit(qos::Reception::Way::InOrder, into, now)) return {};
       if (looks > 0) continue;
@@ -191,8 +196,8 @@ tl::expected<void, StreamEnd> ClientStream::next(Raw& into, TimePoint deadline,
   }
 }
 
-/// Returns whether the sample with the number `sequence`, which was just read, was published after
-/// the loss of the session was noticed.
+/// Returns whether the sample with the number `sequence`, which is the newest that the caller has
+/// read, was published after this stream first found its session lost.
 bool ClientStream::came_after_loss(std::uint64_t sequence) {
   if (!lost()) return false;
   if (ends_with_.load(std::memory_order_relaxed) == goes_on) {
@@ -221,8 +226,9 @@ bool ClientStream::await_sample(FunctionRef<bool()> read, TimePoint deadline) {
       nullptr,
       [&] {
         if (session_->closed()) return true;
+        const bool ends = session_->lost() || !waits_.load(std::memory_order_relaxed);
         got = got || read();
-        return got || session_->lost() || !waits_.load(std::memory_order_relaxed);
+        return got || ends;
       },
       deadline);
   return got;
@@ -232,7 +238,9 @@ std::vector<RawSample> ClientStream::history() {
   std::vector<RawSample> kept;
   if (session_->closed()) return kept;
   const TimePoint now = session_->runtime().clock().since_boot();
-  for (media::StreamSample& stored : reader_->stored()) {
+  auto all = reader_->stored();
+  if (!all.empty()) came_after_loss(all.back().sequence);  // the newest one decides the end
+  for (media::StreamSample& stored : all) {
     if (stored.sequence <= after_.value_or(0)) continue;  // an event before the subscription
     if (came_after_loss(stored.sequence)) break;
     RawSample sample{std::move(stored), {}, {}};
