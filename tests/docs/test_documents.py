@@ -4,6 +4,7 @@ import ast
 import re
 import sys
 import tomllib
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -37,15 +38,15 @@ def test_every_link_leads_somewhere(document: Path) -> None:
 
 def anchors(document: Path) -> set[str]:
     """The anchors that a reader of Markdown gives to the headings, by GitHub's rule."""
-    text = re.sub(r"^```.*?^```", "", text_of(document), flags=re.DOTALL | re.MULTILINE)
+    fenced = re.compile(r"^ *```.*?^ *```", re.DOTALL | re.MULTILINE)
+    text = fenced.sub("", text_of(document))
     found: set[str] = set()
+    times: Counter[str] = Counter()
     for heading in re.findall(r"^#+ (.+)$", text, flags=re.MULTILINE):
         shown = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).lower()
         anchor = re.sub(r"[^\w\- ]", "", shown).replace(" ", "-")
-        twins = sum(
-            re.fullmatch(rf"{re.escape(anchor)}(-\d+)?", each) is not None for each in found
-        )
-        found.add(f"{anchor}-{twins}" if twins else anchor)
+        found.add(f"{anchor}-{times[anchor]}" if times[anchor] else anchor)
+        times[anchor] += 1
     return found
 
 

@@ -116,7 +116,8 @@ class Directory {
   /// Marks the expected servers that have not returned in time as silent. Forgets the objects whose
   /// names are free and that have been silent for longer than `remembered`. Keeps at most
   /// `most_silent` silent objects whose names are free, namely the objects that were heard last.
-  /// Returns the time at which this function must be called again. The end of `young` is one.
+  /// Returns the time at which this function must be called again: at the latest the end of
+  /// `young`, at which names become certain, if that is not over.
   TimePoint on_tick(TimePoint now);
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;

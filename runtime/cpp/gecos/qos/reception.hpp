@@ -27,7 +27,8 @@ struct StreamCounts {
 /// A gap between two samples is the time between their measurements, and is judged when the reader
 /// has read both. The times of unread samples are unknown, so a gap in the sequence numbers is
 /// never a missed deadline. While no sample comes, the gap is measured from the moment at which the
-/// last sample was read; before the first sample, from the subscription.
+/// last sample was read; before the first sample, from the subscription. The gap before the first
+/// sample that is read counts only if no sample since the subscription is older.
 class Reception {
  public:
   /// How the reader obtained a sample. The unread samples before it count as lost (InOrder) or as

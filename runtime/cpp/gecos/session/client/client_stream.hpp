@@ -68,8 +68,9 @@ class ClientStream final : public StreamCore {
   /// it, so that the counts go on.
   const std::shared_ptr<qos::Reception> reception_;
   std::atomic<bool> waits_{true};  // orders no other memory
-  /// The number of the last sample of the stream, known when the loss of the session was noticed. A
-  /// server that was silent may go on writing into the memory that this stream reads.
+  /// The number of the last sample of the stream, known when this stream has first found its
+  /// session lost. A server that was silent may go on writing into the memory that this stream
+  /// reads.
   static constexpr std::uint64_t goes_on = std::numeric_limits<std::uint64_t>::max();
   std::atomic<std::uint64_t> ends_with_{goes_on};  // orders no other memory
 };
