@@ -219,10 +219,9 @@ class Stream {
   /// subscription on. The history of an event begins after the subscription, over every medium.
   /// After a loss of the stream, the history stays, and no sample comes into it after the first
   /// look that found the loss; after the Lab was closed, it is empty. When the proxy has moved to
-  /// another medium
-  /// (`on_degraded="failover"`), the history begins again with the samples that the new medium
-  /// keeps; until next() has read all samples of the old medium, the history has the samples of
-  /// both.
+  /// another medium (`on_degraded="failover"`), the history begins again with the samples that the
+  /// new medium keeps; until next() has read all samples of the old medium, the history has the
+  /// samples of both.
   std::vector<Sample<T>> history() {
     std::vector<Sample<T>> kept;
     for (const session::RawSample& raw : core_->history()) {

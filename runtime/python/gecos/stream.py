@@ -214,9 +214,9 @@ class Stream(Generic[T]):
         the subscription on. The history of an event begins after the subscription, over every
         medium. After a loss of the stream, the history stays, and no sample comes into it after the
         first look that found the loss; after `close()`, and after the Lab was closed, it is empty.
-        When the proxy has moved to another medium (`on_degraded="failover"`), the history begins again with the samples that
-        the new medium keeps; until all samples of the old medium were read, the history has the
-        samples of both.
+        When the proxy has moved to another medium (`on_degraded="failover"`), the history begins
+        again with the samples that the new medium keeps; until all samples of the old medium were
+        read, the history has the samples of both.
 
         Raises RuntimeError while another thread or task waits in `next` of the same stream.
         """
